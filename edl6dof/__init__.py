@@ -5,7 +5,7 @@
 >>> flight.outcome
 'landed within limits'
 
-What the command line does, each of these functions does and returns as an object; see docs/python.md.
+Each command of the command line has a function here that returns its result as an object; see docs/python.md.
 """
 
 # ruff: noqa: E402  the current folder leaves the path before anything is imported
@@ -16,7 +16,7 @@ import sys
 
 _STARTED_HERE = sys.argv[:1] == ["-m"] and "edl6dof" in sys.orig_argv and not sys.flags.safe_path
 if _STARTED_HERE and __path__[0].removesuffix("edl6dof")[:-1] != sys.path[0]:
-    del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may hold a yaml.py of somebody else's
+    del sys.path[0]  # the current folder, of ``python -m edl6dof``: it may contain another person's yaml.py
 
 from importlib import import_module
 from types import ModuleType
@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 from edl6dof.api.functions import (
     calibrate,
     campaign,
-    draw_vehicle,
     faults,
     fly,
     load,
@@ -39,6 +38,7 @@ from edl6dof.api.functions import (
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult
     from edl6dof.api.flight import Flight, RecordedFlight
+    from edl6dof.api.scenario import Scenario, Vehicle
     from edl6dof.api.simulation import Simulation
     from edl6dof.campaign.design.case import Case
     from edl6dof.campaign.executor import fly_rows
@@ -54,11 +54,12 @@ __all__ = [
     "Flight",
     "LoadedScenario",
     "RecordedFlight",
+    "Scenario",
     "Simulation",
     "State",
+    "Vehicle",
     "calibrate",
     "campaign",
-    "draw_vehicle",
     "faults",
     "fly",
     "fly_rows",
@@ -78,12 +79,19 @@ _MODULES = {
     "Flight": "edl6dof.api.flight",
     "LoadedScenario": "edl6dof.scenario.loaded",
     "RecordedFlight": "edl6dof.api.flight",
+    "Scenario": "edl6dof.api.scenario",
     "Simulation": "edl6dof.api.simulation",
     "State": "edl6dof.sim.checkpoint",
+    "Vehicle": "edl6dof.api.scenario",
     "fly_rows": "edl6dof.campaign.executor",
 }
 
-for _function in (campaign, replay, report, verify):  # packages, once imported, replace these functions
+for _function in (
+    campaign,
+    replay,
+    report,
+    verify,
+):  # importing a package of this name would replace the function
     _package = import_module(f"edl6dof.{_function.__name__}")
     _package.__class__ = type("Package", (ModuleType,), {"__call__": staticmethod(_function)})
     vars(_package).update(__doc__=_function.__doc__, __wrapped__=_function)

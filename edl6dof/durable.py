@@ -11,10 +11,10 @@ from pathlib import Path
 
 
 def write_atomic(path: Path, content: bytes | memoryview) -> None:
-    """Write a file; if the program is ended meanwhile, ``path`` is as it was or has all of ``content``.
+    """Write a file; if the program is killed meanwhile, ``path`` is unchanged or has all of ``content``.
 
     Raises:
-        OSError: it cannot be written; ``path`` is as it was.
+        OSError: the file cannot be written; ``path`` is unchanged.
     """
     partial = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

@@ -28,7 +28,7 @@ from edl6dof.durable import sync, write_atomic
 
 MANIFEST = "manifest.json"
 
-#: List of files that were made from the result later, and may be made again (:mod:`edl6dof.runs.files`).
+#: Name of the list of files made from the result later, which can be made again (:mod:`edl6dof.runs.files`).
 MADE = "made.json"
 #: Kind of result.
 Kind = Literal["flight", "study", "validation", "calibration"]
@@ -67,7 +67,7 @@ def read_sealed(path: Path, kind: type[Content]) -> Content:
     """Read a file of :func:`write_sealed`.
 
     Raises:
-        ConfigError: it cannot be read, or is not as it was written.
+        ConfigError: the file cannot be read, or has changed since it was written.
     """
     try:
         plain = json.loads(read_file(path))
@@ -112,7 +112,7 @@ class Manifest:
         """Read the manifest of a folder.
 
         Raises:
-            ConfigError: there is none, or it is damaged.
+            ConfigError: the folder has no manifest, or a damaged one.
         """
         path = folder / MANIFEST
         if not path.is_file():
@@ -166,7 +166,7 @@ def read_file(path: Path) -> bytes:
     """Read all bytes of a file.
 
     Raises:
-        ConfigError: it is missing, no regular file, or cannot be read.
+        ConfigError: the file is missing, not regular, or cannot be read.
     """
     with _opened(path) as file:
         return file.read()
@@ -192,7 +192,7 @@ def hash_of(path: Path) -> str:
     """SHA-256 of a file, hexadecimal, read in parts.
 
     Raises:
-        ConfigError: it cannot be read.
+        ConfigError: the file cannot be read.
     """
     with _opened(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -10,7 +10,7 @@ The families, their records and the compiled loop are made once in a process, so
 commands that fly and ``edl6dof.load`` do that for their scenario; other programs call :func:`activate`, or
 name files in ``EDL6DOF_PLUGINS``.
 
-A plugin runs with all rights of the user.  So it runs only if the user has accepted its very content
+A plugin runs with all rights of the user.  So it runs only if the user has accepted exactly its content
 (``edl6dof trust``), or it was installed with the package; where the file lies, and what names it, does not
 matter.  The bytes that were checked are the bytes that run.
 """
@@ -255,14 +255,14 @@ def said_family(content: bytes) -> str:
 def _run(plugin: _Plugin) -> dict[str, Any]:
     """Run the checked bytes as a module, without any other file such as a ``.pyc``."""
     path = plugin.path
-    # machine code names the module: that of a plugin which has moved, or a copy of it, is the same
+    # machine code contains the module's name: a moved or copied plugin keeps its name, and its code
     name = f"edl6dof_plugin_{path.stem}_{hashlib.sha256(plugin.content).hexdigest()[:8]}"
     module = ModuleType(name)
     module.__file__ = str(path)
     sys.modules[name] = module  # compiled code finds its globals by this name
     try:
         exec(compile(source_text(plugin.content), str(path), "exec"), module.__dict__)
-    except Exception as error:  # whatever the user's code raises belongs to the user, in one line
+    except Exception as error:  # report any error of the user's code in one line
         del sys.modules[name]
         message = f"cannot be imported: {type(error).__name__}: {error}{_line(error, path)}"
         raise _problem(path, plugin.document, message) from error

@@ -31,7 +31,7 @@ def record(*fields: tuple[Any, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 
-#: Yes or no; number of something that may happen all through a flight; time of an event, NaN until then.
+#: Types of a flag, of a count that may grow all through a flight, and of an event's time, NaN until then.
 FLAG, COUNT, TIME_IF_EVER = whole(0, 1), whole(0, 2**31), np.dtype("f8", metadata={"if_ever": True})
 
 
@@ -115,7 +115,7 @@ def require_finite(table: np.ndarray) -> None:
 
 
 def out_of_range(record: np.ndarray, sizes: Mapping[str, int]) -> Iterator[tuple[str, str]]:
-    """Path and message of each whole number of a record (length one) that is outside its declared range.
+    """Yield path and message of each whole number of a record (length one) outside its declared range.
 
     ``sizes``: number of the things of which some are indices, as far as it is known.  A number without a
     declaration, as in the memory of a plugin, may have any value.

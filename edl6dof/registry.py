@@ -51,8 +51,8 @@ class Member:
         memory: record layout of its memory between calls.
         tables: record layout of the tables that are computed for it on the ground.
         plan: fills the tables before a flight of the member; the family decides the arguments.
-        writes: fields that it fills of a record that the members of a family fill together.
-        reads: fields that it needs of a record that others fill.
+        writes: fields that it fills in a record shared by the members of its family.
+        reads: fields that it needs of a record that members of another family fill.
     """
 
     name: str
@@ -152,11 +152,11 @@ class Role(NamedTuple):
         return self.of(frozenset((index,)))(index, *given)
 
     def of(self, indices: frozenset[int]) -> Any:
-        """Kernel that calls one of these members by its index; of the first one if there are none."""
+        """Kernel that calls one of these members by its index; without any index, the first member."""
         return _choice_of(self, indices or frozenset((0,)))
 
     def passed(self, section: str) -> list[str]:
-        """Expressions that the member with this section is passed for the arguments."""
+        """Source of the arguments for the member with this section: of those in ``own`` only its section."""
         return [f"{name}['{section}']" if name in self.own else name for name in self.arguments]
 
 
@@ -198,6 +198,6 @@ class Place(NamedTuple):
 def place(
     title: str, role: Role, path: tuple[str, ...], returns: types.Type, *arguments: types.Type
 ) -> Place:
-    """Return the place of a function of the index of a member and of the arguments of the role."""
+    """Return the place whose function takes a member's index and the role's arguments, of these types."""
     names = "index", *role.arguments
     return Place(role, function_type(title, names, returns, types.int64, *arguments), path)

@@ -79,7 +79,7 @@ def travel(vehicle: str, law: str, sets: tuple[str, ...]) -> tuple[float, float]
     shared = (f"{ENTRY}.law={law}", "mission.goal=deployment", "simulation.log_every=1")
     flight = edl6dof.fly(vehicle, [*shared, *sets])
     bank = flight.telemetry["guide.bank_deg"][flight.during(LIFT)]
-    return float(np.sum(np.abs(np.diff(bank)))), flight.metrics["parachute_downrange_m"] / 1e3
+    return float(np.sum(np.abs(np.diff(bank)))), flight.figures["parachute_downrange_m"] / 1e3
 
 
 if __name__ == "__main__":

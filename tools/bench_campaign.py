@@ -171,8 +171,8 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
     plan, cores = load_plan(CAMPAIGN, cases=cases), available_cores()
     clock = LoopClock(flight_state.fly_cycles)
     flight_state.fly_cycles = clock
-    figures = FigureClock(flight.Flight.metrics.func)
-    flight.Flight.metrics.func = figures
+    figures = FigureClock(flight.Flight.figures.func)
+    flight.Flight.figures.func = figures
     one, every = "1 thread", f"{cores} threads"
     costs = {one: Cost(), every: Cost()}
     runner = CaseRunner(plan.loaded)
@@ -187,7 +187,7 @@ def measure(cases: int, console: Console) -> dict[str, Cost]:
         fly(plan, runner, first + share, first + 2 * share, cores, costs[every], clock, figures)
         if peer:
             fly_jsbsim(costs.setdefault(f"JSBSim {peers_jsbsim.version()}", Cost()))
-    flight_state.fly_cycles, flight.Flight.metrics.func = clock.compiled, figures.form
+    flight_state.fly_cycles, flight.Flight.figures.func = clock.compiled, figures.form
     return costs
 
 

@@ -44,7 +44,7 @@ def by_census(abundance: float, places: int, per_case: int = 200) -> int:
 def by_flight(abundance: float, flights: int) -> int:
     """How many of some flights over ground of different cases come down on a rock."""
     landed = [edl6dof.fly(SCENARIO, [*_rocks(abundance), f"seed={seed}"]) for seed in range(1, flights + 1)]
-    return sum(flight.metrics["rocks_under_lander"] > 0 for flight in landed)
+    return sum(flight.figures["rocks_under_lander"] > 0 for flight in landed)
 
 
 def _rocks(abundance: float) -> list[str]:

@@ -173,7 +173,7 @@ def figures_page() -> str:
     ]
     body += [(f"`{f.name}`", f.unit.label, f.meaning, f.source, f"{f.allowed:g}, always") for f in BALANCES]
     return (
-        "# Figures of merit\n\nThese are the keys of `flight.metrics` and `summary.json`, the columns of a "
+        "# Figures of merit\n\nThese are the keys of `flight.figures` and `summary.json`, the columns of a "
         "campaign's `cases.parquet`, and the names that `published` accepts. A figure of an event that a "
         "mission does not have is not computed.\n\n"
         + table(("figure", "unit", "meaning", "formed from", "limit"), body)

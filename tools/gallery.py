@@ -117,7 +117,7 @@ PICTURES = (
     figure("footprint", "Landing points of a hundred dispersed flights.", "runs/mc", "footprint"),
     figure(
         "faults",
-        "Every pair of twelve thrusters stuck on at 200 s: thrusters isolated, and times of isolation.",
+        "Two thrusters stuck on at 200 s, for all pairs of twelve: what was isolated, and how fast.",
         "runs/faults",
         "faults_stuck_on_0",
     ),

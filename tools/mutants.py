@@ -41,7 +41,7 @@ GOAL = 0.95
 LIMIT_S = 900
 #: Mutants that change no result, or no distribution of it, each with the reason; a key is :attr:`Mutant.key`.
 EQUIVALENT: dict[str, str] = {
-    "vehicle/motion/body.py aero_loads: least = 2.2  # more than open: none was to open yet": (
+    "vehicle/motion/body.py aero_loads: least = 2.2  # above any opening: no surface was commanded to open": (
         "stands for no surface; any number above 1 does"
     ),
     "sensors/radar.py read: a, b = normal_pair(unit.key, first - 2)": (

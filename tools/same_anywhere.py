@@ -51,7 +51,7 @@ def write_flight(name: str, file: Path) -> None:
     found = {path.replace(".", "/", 1): values for path, values in record_parts(name)}
     flight = fly(load_scenario(name))
     found |= {f"telemetry/{channel}": values for channel, values in flight.telemetry.items()}
-    found |= {f"figure/{key}": np.array(value) for key, value in flight.metrics.items()}
+    found |= {f"figure/{key}": np.array(value) for key, value in flight.figures.items()}
     plain = {key: values.astype(values.dtype.str) for key, values in found.items()}  # without metadata
     np.savez(file, **{f"{k:05d}|{key}": values for k, (key, values) in enumerate(plain.items())})
 

@@ -65,7 +65,7 @@ def measure(settings: list[list[str]], faulty: bool) -> Row:
         found += "b2" in beams
         landed += flight.landed
         within += flight.success
-        table, end = flight.telemetry, flight.metrics["touchdown_s"]
+        table, end = flight.telemetry, flight.figures["touchdown_s"]
         t = np.asarray(table["t_s"])
         errors = np.array([table[f"nav.error_v_{axis}_m_s"] for axis in ("north", "east", "down")])
         last = (t > end - 40.0) & (t < end)

@@ -51,7 +51,7 @@ def miss(vehicle: str, sets: list[str], rate: float) -> float:
         else [f"{rigid}={rate}"]
     )
     about = ["mission.goal=deployment", f"{ENTRY}.bank_rate_deg_s={rate}", *turning]
-    return edl6dof.fly(vehicle, [*sets, *about]).metrics["parachute_miss_m"] / 1e3
+    return edl6dof.fly(vehicle, [*sets, *about]).figures["parachute_miss_m"] / 1e3
 
 
 if __name__ == "__main__":

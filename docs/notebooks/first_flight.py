@@ -14,10 +14,10 @@ print(flight)  # outcome, end time and number of telemetry rows
 
 # %% [markdown]
 # As the last line of a cell, `flight` is shown with outcome, timeline and limits. Figures of merit
-# (`flight.metrics`) are numbers; channels of telemetry (`flight[name]`) are numpy arrays.
+# (`flight.figures`) are numbers; channels of telemetry (`flight[name]`) are numpy arrays.
 
 # %%
-mach, load = flight.metrics["parachute_mach"], flight.metrics["peak_load_g0"]
+mach, load = flight.figures["parachute_mach"], flight.figures["peak_load_g0"]
 print(f"parachute at Mach {mach:.2f}, {load:.1f} g at most")
 print(flight.unit("truth.heat_flux_w_cm2"), flight.meaning("truth.heat_flux_w_cm2"))
 

@@ -52,7 +52,7 @@ flight_software: {guidance: {entry: {law: constant_drag}}}
 subprocess.run([sys.executable, "-m", "edl6dof", "trust", "--yes", "constant_drag.py"], check=True)
 mine, shipped = edl6dof.fly("mine.yaml"), edl6dof.fly("tianwen1")
 for flight in (mine, shipped):
-    miss_km = flight.metrics["parachute_miss_m"] / 1e3
+    miss_km = flight.figures["parachute_miss_m"] / 1e3
     print(f"{flight.name:9} {flight.outcome}, parachute {miss_km:.1f} km from the aim point")
 
 # %% [markdown]

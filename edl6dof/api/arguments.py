@@ -73,17 +73,6 @@ def argument(place: str, names: dict[str, str]) -> str:
     return ", ".join(names.get(word, word) for word in words)
 
 
-def scenario_name(given: Any) -> str:
-    """Return the name of a scenario.
-
-    Raises:
-        TypeError: the argument is neither a name nor a path.
-    """
-    if isinstance(given, str | PathLike):
-        return str(fspath(given))
-    raise TypeError(f"a scenario is a file or a name, such as 'tianwen1' (got {given!r})")
-
-
 def extends_name(scenario: str) -> str:
     """Value of ``extends`` for a scenario: the whole path of a file, or the name of a shipped one."""
     file = Path(scenario)
@@ -118,6 +107,21 @@ def texts(overrides: Overrides) -> tuple[str, ...]:
         if not isinstance(one, str):
             raise TypeError(f"overrides are texts 'path=value', or a mapping of all of them (got {one!r})")
     return found
+
+
+def named(scenario: Any, overrides: Overrides = ()) -> tuple[str, tuple[str, ...]]:
+    """Return name and changes of a scenario: of a :class:`edl6dof.Scenario`, its own changes come first.
+
+    Raises:
+        TypeError: the scenario is none of these, or the changes are of a wrong kind.
+    """
+    if isinstance(scenario, str | PathLike):
+        return str(fspath(scenario)), texts(overrides)
+    if hasattr(scenario, "overrides"):
+        return scenario.source, (*scenario.overrides, *texts(overrides))
+    raise TypeError(
+        f"a scenario is a file or a name, such as 'tianwen1', or edl6dof.Scenario (got {scenario!r})"
+    )
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

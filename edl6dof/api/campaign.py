@@ -19,18 +19,22 @@ from edl6dof.api.flight import Flight, html_table
 from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
-from edl6dof.campaign.executor import CaseRunner
+from edl6dof.campaign.executor import BELIEF, TRUTH, CaseRunner
 from edl6dof.campaign.run import case_scenario, differences
 from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
 from edl6dof.campaign.store import Store, Summary
 from edl6dof.config.errors import UnknownName, refusal
+from edl6dof.config.model_paths import Slot, root_slot
+from edl6dof.config.units import split_unit
 from edl6dof.config.wording import unknown
 from edl6dof.metrics.figures import DECLARED, figure_of_merit
+from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.sim.functions import is_compiled
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
 #: Engines that may fly a campaign, and as many threads, or processes, at most.
 ENGINES, MOST_WORKERS = ("threads", "dask"), 1024
@@ -134,6 +138,17 @@ class CampaignResult:
         columns = {name: self[name] for name in self.table.column_names}
         return library("pandas", "to_pandas").DataFrame(columns).set_index("case")
 
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the rows as a data set along ``case``, with unit and meaning of each variable.
+
+        Raises:
+            ImportError: xarray is not installed.
+        """
+        names = [name for name in self.table.column_names if name != "case"]
+        columns = {name: ("case", self[name], described(name)) for name in names}
+        about = {"name": self.summary.name, "cases": self.cases, "successes": self.successes}
+        return library("xarray", "to_xarray").Dataset(columns, {"case": self["case"]}, about)
+
     def refly(self, case: int) -> Flight:
         """Fly a case again with all its telemetry; ``differences`` of the flight lists columns that do not
         equal its row.
@@ -153,6 +168,24 @@ class CampaignResult:
         rows = [(cause, str(count)) for cause, count in self.causes.items()]
         causes = html_table(("cause of failure", "cases"), rows) if rows else ""
         return f"<div><p>{repr(self)[1:-1]}</p>{causes}</div>"
+
+
+def described(column: str) -> dict[str, str]:
+    """Unit and meaning of a column of a campaign: of a drawn parameter, or of a figure.
+
+    >>> described("truth.vehicle.mass.entry_kg")
+    {'units': 'kg', 'long_name': 'vehicle mass at entry'}
+    """
+    prefix, _, path = column.partition(".")
+    if f"{prefix}." not in (TRUTH, BELIEF):
+        figure = figure_of_merit(column)
+        return {"units": figure.unit.label, "long_name": figure.meaning}
+    slot: Slot | None = root_slot(Scenario)
+    meaning = ""
+    for part in path.split("."):
+        slot = slot and (slot.child(int(part) if part.isdecimal() else part) or slot.child(0))
+        meaning = slot.info.description or meaning if slot and slot.info else meaning
+    return {"units": split_unit(slot.name if slot else path)[1].label, "long_name": meaning}
 
 
 def _array(column: Any) -> np.ndarray:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import base64
-import io
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from edl6dof.api.arguments import library
-from edl6dof.config.errors import Named, refusal
-from edl6dof.metrics.evaluation import Check
+from edl6dof.api.plots import ColumnsInMemory, Plot, Plots
+from edl6dof.config.errors import refusal
+from edl6dof.metrics.evaluation import Check, Figures
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.catalogue import Columns, channel_plot, chosen
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from edl6dof.replay.history import Flown
     from edl6dof.report.figure import Figure
-    from edl6dof.report.matplotlib_figure import Canvas
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.scenario.schema import Scenario
     from edl6dof.telemetry.columns import Telemetry
     from edl6dof.telemetry.landing_map import LandingMap
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
         def time_s(self) -> float: ...
         @property
         def checks(self) -> Sequence[Check]: ...
+        @property
+        def figures(self) -> Mapping[str, float | None]: ...
         @property
         def telemetry(self) -> Telemetry | Run: ...
 
@@ -104,7 +106,14 @@ class FlightResults:
             raise TypeError(f"channels are names, one after the other: plot('truth.mach') (got {wrong[0]!r})")
         if not channels:
             raise refusal("plot", "name a channel, such as truth.mach; flight.telemetry has them all")
-        return _plot(channels_figure(self.telemetry, self.name, channels, against, since_s, until_s))
+        return Plot.of(channels_figure(self.telemetry, self.name, channels, against, since_s, until_s))
+
+    @property
+    def plots(self: _Flight) -> Plots:
+        """Plots of the report over time for which the flight has data: ``flight.plots.rates``."""
+        table = self.telemetry
+        known = table if isinstance(table, Run) else ColumnsInMemory(table, self.events, self.figures)
+        return Plots(known)
 
     def to_pandas(self: _Flight) -> pandas.DataFrame:
         """Return the telemetry as a data frame indexed by time.
@@ -188,7 +197,7 @@ class RecordedFlight(FlightResults):
         phase: name of the last phase.
         events: events in the order of time: mappings with ``t_s``, ``key``, ``name``, ``detail`` and the
             state.
-        metrics: figures by name with unit suffix; ``None`` for a figure that could not be computed.
+        figures: figures by name with unit suffix; ``None`` for a figure that could not be computed.
         checks: every limit with the value of this flight.
         telemetry: columns by name, each shape (rows,), in the unit of the name's suffix, read at first use.
     """
@@ -199,7 +208,7 @@ class RecordedFlight(FlightResults):
         self.name, self.outcome, self.success = summary["name"], summary["outcome"], summary["success"]
         self.time_s, self.phase = summary["time_s"], summary["phase"]
         self.events: Sequence[Mapping] = self.telemetry.events
-        self.metrics: Mapping[str, float | None] = Named("figure", summary["figures"])
+        self.figures: Figures[float | None] = Figures(summary["figures"])
         names = {figure.meaning: figure.name for figure in LIMITS}
         self.checks = [
             Check(
@@ -237,6 +246,21 @@ class RecordedFlight(FlightResults):
         return attitude_at(t, self["t_s"], [self[f"truth.q_I2B_{c}"] for c in "wxyz"])
 
 
+def fly_loaded(
+    loaded: LoadedScenario, out: str | Path | None, *, replay: bool, force: bool, **options: Any
+) -> Flight:
+    """Fly a scenario, into a folder or into memory; ``options`` as for :func:`edl6dof.sim.flight.fly`.
+
+    Raises:
+        ConfigError: the folder exists and must not be replaced, or cannot be written.
+    """
+
+    def flown() -> Flight:
+        return Flight.of(sim.fly(loaded, **options))
+
+    return flown() if out is None else flown_into(Path(out), flown, replay=replay, force=force)
+
+
 def flown_into(
     folder: Path, fly: Callable[[], Flight], *, replay: bool, force: bool, release: bool = False
 ) -> Flight:
@@ -250,32 +274,6 @@ def flown_into(
         flight.write(partial, replay, release)
     flight.folder = folder
     return flight
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A plot that a notebook can show.
-
-    Attributes:
-        figure: figure of matplotlib.
-    """
-
-    figure: Canvas
-
-    def save(self, path: str | Path, dpi: int = 200) -> None:
-        """Write the plot in the format of the suffix: ``.png``, ``.pdf`` or ``.svg``."""
-        self.figure.savefig(path, dpi=dpi)
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.figure.savefig(buffer, format="png", dpi=110)
-        return buffer.getvalue()
-
-
-def _plot(figure: Figure) -> Plot:
-    from edl6dof.report.matplotlib_figure import matplotlib_figure
-
-    return Plot(matplotlib_figure(figure))
 
 
 def channels_figure(
@@ -326,7 +324,7 @@ def _picture(flight: _Flight) -> str:
     columns = flight.telemetry
     if not set(SHOWN) <= set(columns) or len(columns["t_s"]) < 2:
         return ""
-    picture = _plot(channels_figure(columns, flight.name, SHOWN))._repr_png_()
+    picture = Plot.of(channels_figure(columns, flight.name, SHOWN))._repr_png_()
     coded = base64.b64encode(picture).decode("ascii")
     return f'<img width="480" alt="height and Mach number" src="data:image/png;base64,{coded}">'
 

@@ -12,13 +12,13 @@ from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from edl6dof.api.arguments import Overrides, extends_name, naming_arguments, scenario_name, texts
+from edl6dof.api.arguments import Overrides, extends_name, named, naming_arguments, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
     from edl6dof.api.flight import Flight, RecordedFlight
+    from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
-    from edl6dof.design.thruster_authority import Configuration
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
@@ -33,22 +33,21 @@ def activate(*operands: str | Path | LoadedScenario | None) -> None:
 
 
 @naming_arguments()
-def load(name_or_path: str | Path, overrides: Overrides = ()) -> LoadedScenario:
+def load(name_or_path: str | Path | LoadedScenario, overrides: Overrides = ()) -> Scenario:
     """Read and validate a scenario file, or a shipped scenario by name.
 
     Args:
-        name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``.
+        name_or_path: ``"scenarios/tianwen1.yaml"`` or ``"tianwen1"``; or a loaded scenario, which is read
+            again with its own changes and then these.
         overrides: texts ``"dotted.path=value"``; or a mapping of dotted paths, or nested as in a file.
 
     Raises:
         ConfigError: lists every problem found with file, line and key, and suggests a correction.
         TypeError: an argument is of a wrong kind.
     """
-    name = scenario_name(name_or_path)
-    activate(name)
-    from edl6dof.scenario.loading import load_scenario
+    from edl6dof.api.scenario import Scenario
 
-    return load_scenario(name, texts(overrides))
+    return Scenario(name_or_path, overrides)
 
 
 @naming_arguments(save_state="save_at_s")
@@ -67,7 +66,7 @@ def fly(
 
     Args:
         scenario: file, name of a shipped one, or the result of :func:`load`; none with ``start``.
-        overrides: changes as for :func:`load`, if the scenario is not loaded yet.
+        overrides: changes as for :func:`load`.
         out: folder to write, as the command does; by default nothing is written.
         replay: True to write the 3D replay.
         force: True to replace an existing run.
@@ -77,12 +76,12 @@ def fly(
 
     Raises:
         ConfigError: the scenario is wrong, or ``out`` cannot be written.
-        TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
+        TypeError: an argument is of a wrong kind.
     """
     if start is None and scenario is None:
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     activate(scenario if isinstance(scenario, str | Path) else None)
-    from edl6dof.api.flight import Flight, flown_into
+    from edl6dof.api.flight import fly_loaded
     from edl6dof.sim import flight as sim
     from edl6dof.sim.checkpoint import State
 
@@ -92,60 +91,16 @@ def fly(
     elif state is not None:
         loaded = sim.continue_from(state, texts(overrides))
 
-    def flown() -> Flight:
-        return Flight.of(sim.fly(loaded, start=state, save_at_s=save_at_s, progress=progress))
-
-    return flown() if out is None else flown_into(Path(out), flown, replay=replay, force=force)
+    options = {"start": state, "save_at_s": save_at_s, "progress": progress}
+    return fly_loaded(loaded, out, replay=replay, force=force, **options)
 
 
 def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> LoadedScenario:
-    if isinstance(scenario, str | Path):
-        return load(scenario, overrides)
-    if not hasattr(scenario, "document"):
-        scenario_name(scenario)  # which says what it may be
-    if overrides:
-        raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
-    return scenario
+    from edl6dof.scenario.loaded import LoadedScenario
 
-
-@naming_arguments()
-def draw_vehicle(
-    scenario: LoadedScenario | str | Path,
-    path: str | Path,
-    overrides: Overrides = (),
-    *,
-    force: bool = False,
-) -> list[Configuration]:
-    """Draw top and side view of a vehicle, as ``edl6dof show --vehicle`` does.
-
-    Args:
-        scenario: file, name of a shipped one, or the result of :func:`load`.
-        path: picture to write: .svg, .png or .pdf.
-        overrides: changes as for :func:`load`, if the scenario is not loaded yet.
-        force: True to replace an existing file.
-
-    Returns:
-        Control authority of each thruster group: at entry, and without the aeroshell.
-
-    Raises:
-        ConfigError: the scenario is wrong or that of a point mass, or the file cannot be written.
-    """
-    from edl6dof.config.errors import refusal
-    from edl6dof.runs.files import atomic_file
-
-    loaded, target = _loaded(scenario, overrides), Path(path)
-    if loaded.scenario.dynamics == "point_mass":
-        raise refusal(loaded.scenario.name, "has no shape to draw: its dynamics are those of a point mass")
-    if target.suffix not in (".svg", ".png", ".pdf"):
-        raise refusal(target, "must end in .svg, .png, .pdf")
-    from edl6dof.design.thruster_authority import configurations
-    from edl6dof.report.matplotlib_figure import write_figure
-    from edl6dof.report.vehicle_drawing import vehicle_figure
-
-    states = configurations(loaded.scenario.vehicle)
-    with atomic_file(target, force) as partial:
-        write_figure(vehicle_figure(loaded.scenario.vehicle, states), partial)
-    return states
+    if isinstance(scenario, LoadedScenario) and not overrides:
+        return scenario
+    return load(scenario, overrides)
 
 
 @naming_arguments()
@@ -271,7 +226,7 @@ def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Pa
 
 @naming_arguments()
 def campaign(
-    scenario: str | Path,
+    scenario: str | Path | Scenario,
     overrides: Overrides = (),
     *,
     cases: int | None = None,
@@ -306,18 +261,18 @@ def campaign(
     Raises:
         ConfigError: the campaign is wrong, or its folder must not be replaced.
     """
-    name = scenario_name(scenario)
+    name, sets = named(scenario, overrides)
     activate(name)
     from edl6dof.api.campaign import EngineChoice, campaign_job
 
-    sets, drawn, flying = texts(overrides), (cases, seed, sampling), EngineChoice(engine, workers, cluster)
+    drawn, flying = (cases, seed, sampling), EngineChoice(engine, workers, cluster)
     job = campaign_job(name, sets, drawn, flying, until, out=out, force=force, resume=resume)
     return job.result(progress, in_memory=out is None and not resume)
 
 
 @naming_arguments(after="after_s")
 def faults(
-    scenario: str | Path = "tianwen1",
+    scenario: str | Path | Scenario = "tianwen1",
     overrides: Overrides = (),
     *,
     sensors: bool = False,
@@ -356,7 +311,7 @@ def faults(
     Raises:
         ConfigError: lists all problems of the request.
     """
-    name, sets = scenario_name(scenario), texts(overrides)
+    name, sets = named(scenario, overrides)
     activate(name)
     from edl6dof.api.campaign import EngineChoice, Job
     from edl6dof.api.fault_choice import FaultRequest, faults_plan, listed
@@ -407,7 +362,7 @@ def refly(
 
 @naming_arguments()
 def calibrate(
-    scenario: str | Path,
+    scenario: str | Path | Scenario,
     overrides: Overrides = (),
     *,
     flights: int | None = None,
@@ -428,7 +383,7 @@ def calibrate(
     Raises:
         ConfigError: the section is wrong, or too few flights reach the figures.
     """
-    name, sets = scenario_name(scenario), texts(overrides)
+    name, sets = named(scenario, overrides)
     activate(name)
     from edl6dof.calibration.findings import find
     from edl6dof.calibration.fit import DESIGNS, TooFew

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.api.arguments import naming_arguments, scenario_name, texts
+from edl6dof.api.arguments import named, naming_arguments, texts
 from edl6dof.api.flight import Flight
-from edl6dof.api.functions import activate
+from edl6dof.api.functions import activate, load
 from edl6dof.campaign.design.case import Case, Variant, Variants
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.config.document.source import read_document, resolve_scenario
@@ -55,11 +55,9 @@ class Starts:
     ):
         self._plan: Plan | None = None
         if isinstance(scenario, LoadedScenario):
-            if overrides:
-                raise TypeError("the scenario is loaded already: give the overrides to edl6dof.load")
-            self.loaded = scenario
+            self.loaded = load(scenario, overrides) if overrides else scenario
             return
-        document = read_document(resolve_scenario(scenario_name(scenario)))
+        document = read_document(resolve_scenario(named(scenario)[0]))
         if isinstance(campaign := document.data.get(CAMPAIGN_SECTIONS[0]), dict):
             if faults:
                 campaign["faults"] = [{"chance": 1.0, "one_of": [dict(fault) for fault in faults]}]
@@ -108,7 +106,7 @@ class Simulation(SteppedFlight):
 
     Raises:
         ConfigError: the scenario is wrong.
-        TypeError: an argument is of a wrong kind, or there are overrides of a scenario that is loaded.
+        TypeError: an argument is of a wrong kind.
     """
 
     def __init__(

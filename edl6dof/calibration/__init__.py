@@ -1,1 +1,1 @@
-"""Calibration: the uncertain parameters of a scenario that best explain what is published of its flight."""
+"""Calibration: the uncertain parameters of a scenario that best explain the published flight."""

@@ -1,4 +1,6 @@
-"""Findings of a calibration: in numbers, in sentences, and as a scenario file that extends the first one."""
+"""Findings of a calibration: in numbers, in sentences, and as a scenario file that extends the calibrated
+one.
+"""
 
 from __future__ import annotations
 
@@ -25,11 +27,12 @@ UNTOLD, ALIKE = 0.1, 0.9
 
 @dataclass(frozen=True, repr=False)
 class Findings:
-    """Result of a calibration: its posterior, and what the simulator flies there.
+    """Result of a calibration: the posterior, and the figures flown at its solution.
 
     Attributes:
         before: means of the figures over neighbouring flights at the priors' means, shape (figures,).
-        after: the same at the solution; flown, not computed from the linear model.
+        after: means of the figures over neighbouring flights at the solution, flown and not computed from the
+            linear model, shape (figures,).
     """
 
     calibration: Calibration
@@ -42,19 +45,21 @@ class Findings:
 
     @property
     def values(self) -> dict[str, float]:
-        """The parameters found, by dotted path."""
+        """Values of the parameters at the solution, by dotted path, in their own units."""
         return self.calibration.values(self.fit.x)
 
     @property
     def sigmas(self) -> dict[str, float]:
-        """Their posterior standard deviations, by dotted path."""
+        """Posterior standard deviations of the parameters, by dotted path, in their own units."""
         priors = self.calibration.params.parameters
         shares = map(float, self.fit.deviation)
         return {path: priors[path].sigma * share for path, share in zip(priors, shares, strict=True)}
 
     @property
     def residuals(self) -> np.ndarray:
-        """Residuals of the figures, in standard deviations (published and of one flight, not widened)."""
+        """Flown less published value of each figure, shape (figures,), over the combined standard deviation
+        of the published value (not widened) and of one flight.
+        """
         return (self.after - self.calibration.data.number) / self.fit.sigma
 
     @property
@@ -65,7 +70,7 @@ class Findings:
 
 
 def find(calibration: Calibration, progress: Progress | None = None) -> Findings:
-    """Calibrate.
+    """Find the posterior of a calibration, and fly the figures before and after.
 
     Raises:
         TooFew: too few flights of a design reached every figure.
@@ -78,7 +83,7 @@ def find(calibration: Calibration, progress: Progress | None = None) -> Findings
 
 
 def rounded(found: Findings) -> dict[str, float]:
-    """Values by dotted path, to a hundredth of their posterior standard deviation."""
+    """Values at the solution by dotted path, rounded to a hundredth of their posterior standard deviation."""
     return {
         path: round(value, int(np.ceil(2.0 - np.log10(found.sigmas[path]))))
         for path, value in found.values.items()
@@ -86,7 +91,7 @@ def rounded(found: Findings) -> dict[str, float]:
 
 
 def remarks(found: Findings) -> list[str]:
-    """Return what the figures cannot determine, in sentences."""
+    """Return sentences on how far the figures determine the parameters, and on unexplained figures."""
     paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
     said = [
         f"{figures} figures determine {fitted.told_apart:.1f} of {len(paths)} parameters; the priors "
@@ -113,7 +118,7 @@ def remarks(found: Findings) -> list[str]:
 
 
 def plain(found: Findings) -> dict[str, Any]:
-    """All results, ready for JSON; ``nan`` if a neighbour did not reach a figure."""
+    """All results, ready for JSON; a mean is ``nan`` if a neighbour did not reach the figure."""
     calibration, fitted, residuals = found.calibration, found.fit, found.residuals
     priors, values, sigmas = calibration.params.parameters, found.values, found.sigmas
     return {
@@ -156,7 +161,7 @@ def overlay_text(name: str, extended: str, values: Mapping[str, float], sources:
     """YAML text of a scenario that extends another one and calibrates some values.
 
     Args:
-        name: of the new scenario.
+        name: name of the new scenario.
         extended: scenario that it extends, by name or path.
         values: by dotted path; a path may name items of lists, but no element of a list of numbers.
         sources: how each value was found, by dotted path.

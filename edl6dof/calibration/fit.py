@@ -1,13 +1,13 @@
-"""Normal posterior of parameters whose figures follow from flights, and its quality.
+"""Normal posterior of parameters from the figures of flights, and its quality.
 
-A figure responds to its parameters with a slope and with scatter, by another pulse or bank reversal.  A
-difference between two points would follow the scatter.  A regression over many points, each flown once,
-averages it, and its residuals give the deviation of one flight from the linear model.  The first design of
-flights is drawn from the prior and each further one from the posterior of the one before, so that the model
-is fitted near the solution and over the width of its uncertainty.  The real flight is one random draw, so the
-scatter adds to the uncertainty of the published figures.  If priors and figures contradict each other by more
-than this, the published deviations are widened until they agree.  Parameters are in standard deviations of
-their priors.
+A figure responds to a parameter with a slope and with scatter, because a thruster pulse or a bank reversal
+may come at another time.  A difference between two points would mostly measure the scatter.  A regression
+over many points, each flown once, averages it, and its residuals give the deviation of one flight from the
+linear model.  The first design of flights is drawn from the prior and each further one from the posterior of
+the one before, so that the model is fitted near the solution and over the width of its uncertainty.  The real
+flight is one random draw, so the scatter adds to the uncertainty of the published figures.  If priors and
+figures contradict each other by more than this, the published deviations are widened until they agree.
+Parameters are in standard deviations of their priors.
 
 Source: García-Fernández, Svensson, Morelande and Särkkä, Posterior linearization filter, IEEE Trans. Signal
 Processing 63 (2015) 5561 (regression over the posterior, its residuals as noise); Tarantola, Inverse Problem
@@ -31,24 +31,24 @@ class TooFew(ValueError):
 
 
 def least_flights(parameters: int) -> int:
-    """Flights without which no surface is fitted: four for each coefficient of the regression."""
+    """Least number of flights for a regression: four for each of its coefficients."""
     return 4 * (parameters + 1)
 
 
 class Data(NamedTuple):
-    """Published numbers and standard deviations, shape (figures,)."""
+    """Published values of the figures and their standard deviations, each of shape (figures,)."""
 
     number: np.ndarray
     sigma: np.ndarray
 
 
 class Surface(NamedTuple):
-    """The fitted function.
+    """Linear model of the figures in the parameters.
 
     Attributes:
         constant: figures where all parameters are zero, shape (figures,).
         slopes: change of each figure with each parameter, shape (figures, parameters).
-        scatter: covariance of one flight about it, shape (figures, figures).
+        scatter: covariance of the figures of one flight about the model, shape (figures, figures).
     """
 
     constant: np.ndarray
@@ -57,14 +57,14 @@ class Surface(NamedTuple):
 
 
 def regression(points: np.ndarray, flown: np.ndarray) -> Surface:
-    """Least squares over the flights that reached every figure.
+    """Fit a linear model by least squares to the flights that reached every figure.
 
     Args:
         points: parameters of each flight, shape (flights, parameters).
-        flown: its figures, shape (flights, figures); ``nan`` where one was not reached.
+        flown: figures of each flight, shape (flights, figures); ``nan`` where one was not reached.
 
     Raises:
-        TooFew: fewer of them than :func:`least_flights`.
+        TooFew: fewer than :func:`least_flights` flights reached every figure.
     """
     reached = np.isfinite(flown).all(axis=1)
     count, least = np.count_nonzero(reached), least_flights(points.shape[1])
@@ -77,9 +77,9 @@ def regression(points: np.ndarray, flown: np.ndarray) -> Surface:
     return Surface(coefficients[0], coefficients[1:].T, residuals.T @ residuals / (count - len(coefficients)))
 
 
-#: Designs one after the other: the second is drawn at the solution, the third shows how firm it is.
+#: Successive designs: the second is drawn at the first solution, the third shows how much that still moves.
 DESIGNS = 3
-#: Largest distance of a parameter that counts as at a bound, in standard deviations of its prior.
+#: Distance from a bound below which a parameter counts as at it, in standard deviations of its prior.
 AT_BOUND = 1e-3
 
 
@@ -89,12 +89,14 @@ class Fit:
 
     Attributes:
         x: parameters of the largest posterior density, shape (parameters,).
-        covariance: of the posterior without bounds, shape (parameters, parameters).
+        covariance: covariance of the posterior, bounds ignored, shape (parameters, parameters).
         slopes: change of each figure with each parameter, shape (figures, parameters).
         sigma: standard deviation of each figure, of its published value and one flight, shape (figures,).
         squares: sum of squares of figures and priors; its expected value is the number of figures.
-        widening: factor of the published standard deviations with which it is no larger, at least 1.
-        moved: largest change of a parameter by the last design, in posterior standard deviations.
+        widening: factor on the published standard deviations that reduces ``squares`` to the expected value,
+            at least 1.
+        moved: largest change of a parameter that the last design of flights made, in posterior standard
+            deviations.
         at_bound: True for a parameter at a bound, shape (parameters,).
     """
 
@@ -109,7 +111,7 @@ class Fit:
 
     @property
     def deviation(self) -> np.ndarray:
-        """Posterior standard deviation of each parameter over that of its prior, 0 to 1."""
+        """Posterior standard deviation of each parameter as a share of that of the prior, 0 to 1."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
@@ -136,15 +138,15 @@ def fit(
     flights: int,
     seed: int,
 ) -> Fit:
-    """Find the posterior.
+    """Find the posterior of the parameters from several designs of flights.
 
     Args:
         fly: flies a design: figures (flights, figures) at parameters (flights, parameters); ``nan`` where a
             figure was not reached.
         data: published values to explain.
         low, high: bounds of the parameters, shape (parameters,), below and above zero.
-        flights: of each design.
-        seed: of the designs.
+        flights: number of flights of each design.
+        seed: seed of the random designs.
 
     Raises:
         TooFew: too few flights of a design reached every figure.
@@ -160,7 +162,7 @@ def fit(
 
 
 def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, before: np.ndarray) -> Fit:
-    """The posterior on a surface; ``before``: parameters about which its design was drawn."""
+    """Compute the posterior for a fitted surface; ``before``: parameters about which its design was drawn."""
     gap, slopes = data.number - surface.constant, surface.slopes
     spread = slopes @ slopes.T + surface.scatter
     widening = _widening(gap, spread, data.sigma)
@@ -183,14 +185,15 @@ def solve(surface: Surface, data: Data, low: np.ndarray, high: np.ndarray, befor
 
 
 def _squares(gap: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> float:
-    """Least sum of squares of figures and priors: ``gap`` under the prior covariance of the figures, the
-    ``spread`` of parameters and flights and the published deviations.
+    """Least sum of squares of figures and priors for ``gap``, the published less the modelled figures at the
+    means of the priors, with the covariance ``spread`` of the modelled figures and the published deviations
+    ``sigma``.
     """
     return float(gap @ np.linalg.solve(spread + np.diag(sigma**2), gap))
 
 
 def _widening(gap: np.ndarray, spread: np.ndarray, sigma: np.ndarray) -> float:
-    """Factor of the published deviations with which the sum of squares is no larger than expected."""
+    """Factor on the published deviations, at least 1, that reduces the sum of squares to that expected."""
 
     def excess(factor: float) -> float:
         return _squares(gap, spread, factor * sigma) - len(gap)

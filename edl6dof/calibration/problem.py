@@ -1,4 +1,6 @@
-"""The calibration of one scenario: its ``calibration:`` section, and the figures of its parameters, flown."""
+"""The calibration of one scenario: its ``calibration:`` section, and flights that give the figures for given
+parameters.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ from edl6dof.scenario.loading import CALIBRATION, load_document
 
 
 class Prior(Params):
-    """Prior knowledge of a parameter, in its unit: normal, cut at its bounds."""
+    """Prior knowledge of a parameter, in its unit: a normal distribution cut off at two bounds."""
 
     mean: float = param(REQUIRED, "most likely value")
     sigma: float = param(REQUIRED, "standard deviation", gt=0.0)
@@ -49,7 +51,7 @@ class Prior(Params):
 
 
 class CalibrationParams(Params):
-    """Uncertain parameters, and the figures that they are to explain."""
+    """Uncertain parameters, and the published figures that they should explain."""
 
     parameters: dict[str, Prior] = param(
         REQUIRED, "prior of each uncertain parameter, by dotted path", min_length=1
@@ -70,7 +72,7 @@ class CalibrationParams(Params):
 
 
 class CalibrationFile(Params):
-    """The section of a scenario file."""
+    """The ``calibration:`` section of a scenario file."""
 
     calibration: CalibrationParams = param(REQUIRED, "calibration against the published flight")
 
@@ -103,22 +105,22 @@ class Calibration:
         return Data(np.array(numbers), np.array(sigmas))
 
     def values(self, x: np.ndarray) -> dict[str, float]:
-        """Values by dotted path of parameters in standard deviations."""
+        """Values in their own units, by dotted path, of parameters in standard deviations of their priors."""
         return {
             path: prior.mean + float(offset) * prior.sigma
             for (path, prior), offset in zip(self.params.parameters.items(), x, strict=True)
         }
 
     def fly(self, points: np.ndarray, progress: Progress | None = None) -> np.ndarray:
-        """Figures, shape (flights, figures), of a flight at each of the parameters, shape (flights,
-        parameters), in standard deviations; ``nan`` where a figure was not reached.
+        """Fly once at each row of ``points``, shape (flights, parameters), in standard deviations of the
+        priors; return the figures, shape (flights, figures), ``nan`` where a figure was not reached.
         """
         profile = self.loaded.scenario.profile
         cases = [Case(k, belief=self.values(x), profile=profile + k) for k, x in enumerate(points)]
         return self._figures(fly_rows(self.loaded, cases, progress=progress))
 
     def means(self, x: np.ndarray, progress: Progress | None = None) -> np.ndarray:
-        """Means of the figures over neighbouring flights at one set of parameters, shape (figures,)."""
+        """Means of the figures, shape (figures,), over neighbouring flights at one set of parameters."""
         rows = fly_neighbours(self.loaded, belief=self.values(x), progress=progress)
         return np.mean(self._figures(rows), axis=0)
 
@@ -164,7 +166,7 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
 
 
 def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
-    """Problems of parameters that the scenario does not have, or whose bounds it does not allow."""
+    """Find parameters that the scenario does not have, or whose bounds it does not allow."""
     priors = calibration.params.parameters
     words = "must be a value of its own, not an element of a list"
     if elements := [path for path in priors if path.rpartition(".")[2].isdecimal()]:
@@ -186,7 +188,7 @@ def _unknown_paths(calibration: Calibration, own: Document) -> list[Problem]:
 
 
 def _refused(loaded: LoadedScenario, values: Mapping[str, float]) -> ConfigError | None:
-    """The error with which a scenario refuses values by dotted path, if it does."""
+    """Return the error with which a scenario refuses values by dotted path, ``None`` if it accepts them."""
     try:
         scenario_of(loaded, Case(0, belief=values))
     except ConfigError as error:

@@ -8,7 +8,7 @@ second-order effect of the sources.  The sum of both is the covariance of y.  It
 that is linear in the sources plus any random effect; the linear effect has no sampling error, because the
 columns of the design are orthogonal.  The response to one step is averaged over all other steps and random
 effects: this statistical linearisation sees a bank reversal occur earlier or later in some flights, not a
-jump in all.
+jump in all flights.
 
 Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
 Technometrics 3 (1961) 311 (design by mirror images).
@@ -34,9 +34,9 @@ class Spread:
     """Spread of some quantities; each array has shape (quantities,).
 
     Attributes:
-        mean: includes the second-order effect of the sources.
-        mean_error, error: standard errors of mean and deviation.
-        linear: standard deviation by the linear effect of the sources.
+        mean: mean over the flights, with the second-order effect of the sources.
+        mean_error, error: standard errors of ``mean`` and of ``deviation``, the standard deviation.
+        linear: standard deviation caused by the linear effect of the sources.
     """
 
     mean: np.ndarray
@@ -51,7 +51,7 @@ class Pairs:
     """Figures of mirrored flights.
 
     Attributes:
-        steps: of the first flight of each pair, -1 or 1, shape (pairs, deviates).
+        steps: steps of the sources in the first flight of each pair, -1 or 1, shape (pairs, deviates).
         odd, even: half the difference and half the sum of both flights, shape (pairs, figures).
     """
 
@@ -61,7 +61,7 @@ class Pairs:
 
     @classmethod
     def of(cls, steps: np.ndarray, flights: np.ndarray) -> Pairs:
-        """``flights`` has shape (2 pairs, figures): all first flights, then their mirror images."""
+        """Form pairs from ``flights``, shape (2 pairs, figures): first flights, then mirror images."""
         first, second = np.split(flights, 2)
         return cls(steps, 0.5 * (first - second), 0.5 * (first + second))
 
@@ -81,7 +81,7 @@ class Pairs:
         return self.even.std(axis=0, ddof=1) / np.sqrt(len(self.even))
 
     def spread(self, directions: np.ndarray) -> Spread:
-        """Spread along some ``directions``, shape (figures, quantities)."""
+        """Spread of combinations of figures, weighted by ``directions``, shape (figures, quantities)."""
         odd, even = self.odd @ directions, self.even @ directions
         pairs, mean = len(odd), even.mean(axis=0)
         signed, rest = np.mean(odd**2, axis=0), even.var(axis=0, ddof=1)
@@ -103,7 +103,7 @@ class Covariance:
 
     Attributes:
         apart: sources whose contributions are separated, in the order of their columns.
-        together: lists whose items vary at random and count in the rest.
+        together: lists of parameters whose items vary at random and whose effect is part of ``rest``.
     """
 
     event: EventFigures
@@ -118,7 +118,7 @@ class Covariance:
 
     @property
     def axes(self) -> np.ndarray:
-        """Directions of the position's ellipse among the figures, long axis first, shape (figures, 2)."""
+        """Unit vectors along the axes of the position's ellipse, long axis first, shape (figures, 2)."""
         size = len(self.event.position)
         directions = np.zeros((len(self.event.all), size))
         directions[:size] = principal(self.pairs.covariance[:size, :size])
@@ -133,7 +133,7 @@ class Covariance:
     @property
     def contributions(self) -> list[tuple[str, np.ndarray]]:
         """Separated sources with the standard deviation that each causes in every figure, signed if the
-        source is one parameter; in the order of the share in the position, or in all figures without one.
+        source is one parameter; sorted by the share in the position, or in all figures if there is none.
         """
         shares = self.budget / np.maximum(self.spread.deviation**2, np.finfo(float).tiny)
         if size := len(self.event.position):
@@ -165,7 +165,7 @@ def fly_covariance(
     workers: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Covariance:
-    """Fly at least the given number of ``pairs``, and more if the separation of the sources needs them.
+    """Fly at least the given number of ``pairs``, and more if the separation of the sources needs more.
 
     ``progress`` is called with the number of flights done and the total number.
 
@@ -185,7 +185,7 @@ def fly_covariance(
 
 @dataclass(frozen=True)
 class Alone:
-    """Response to each deviate of some sources (``found``, no lists), stepped alone about one flight.
+    """Response of one flight to each deviate of the sources ``found`` (no lists), stepped one at a time.
 
     Slopes and bends, shape (deviates, figures), are the central first and second differences over one
     standard deviation.  If a bend is not small compared with the slope, the response is not linear: for
@@ -198,7 +198,9 @@ class Alone:
 
     @classmethod
     def of(cls, found: Sequence[Source], flights: np.ndarray) -> Alone:
-        """Build from ``flights``, shape (1 + 2 deviates, figures): mean, then all above, then all below."""
+        """Build from ``flights``, shape (1 + 2 deviates, figures): the flight at the means, those with one
+        deviate stepped up, then those with one deviate stepped down.
+        """
         middle = flights[0]
         above, below = np.split(flights[1:], 2)
         return cls(tuple(found), 0.5 * (above - below), 0.5 * (above + below) - middle)
@@ -207,8 +209,8 @@ class Alone:
 def fly_alone(
     plan: Plan, event: EventFigures, workers: int | None = None, progress: Progress | None = None
 ) -> Alone:
-    """Step each source but lists up and down by one standard deviation, and fly each step alone.  All
-    flights have the same random profiles.
+    """Fly with each source but lists one standard deviation above and below its mean, one source at a time.
+    All flights have the same random profiles.
 
     Raises:
         ConfigError: the campaign has no covariance, or a flight does not reach the event.
@@ -240,7 +242,7 @@ class Sampled:
 
     @classmethod
     def of(cls, values: np.ndarray) -> Sampled:
-        """``values`` has shape (flights, quantities)."""
+        """Estimate the spread from ``values``, shape (flights, quantities)."""
         deviation = values.std(axis=0, ddof=1)
         low, high = np.quantile(values, _CORE, axis=0)
         error = deviation * np.sqrt((kurtosis(values) + 2.0) / (4.0 * len(values)))
@@ -251,7 +253,7 @@ def flown(table: pa.Table, event: EventFigures, place: object) -> np.ndarray:
     """Figures of the flights that reached the event, shape (flights, figures).
 
     Raises:
-        ConfigError: fewer than ten did.
+        ConfigError: fewer than ten flights reached the event.
     """
     if missing := [name for name in event.all if name not in table.column_names]:
         raise refusal(place, f"no flight of it has {', '.join(missing)}")
@@ -263,6 +265,6 @@ def flown(table: pa.Table, event: EventFigures, place: object) -> np.ndarray:
 
 
 def along_axes(values: np.ndarray, position: int) -> np.ndarray:
-    """Return the position along the axes of its ellipse, long axis first, shape (flights, position)."""
+    """Return positions along the axes of their ellipse, long axis first, shape (flights, ``position``)."""
     place = values[:, :position]
     return place @ principal(np.cov(place.T)) if position else place

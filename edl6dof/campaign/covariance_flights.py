@@ -1,5 +1,5 @@
-"""Flights for a covariance: the dispersions of a campaign as sources, each a standard deviation above or
-below its mean, by a two-level design, and the figures at an event.
+"""Flights for a covariance: a two-level design sets each source (a dispersion of a campaign) one standard
+deviation above or below its mean, and the figures are taken at an event.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Source:
 
     @property
     def is_list(self) -> bool:
-        """True if it stands for the items of a list."""
+        """True if the source stands for the items of a list."""
         return "*" in self.name
 
     @property
@@ -45,7 +45,7 @@ class Source:
         return sum(len(draw.targets) for draw in self.draws)
 
     def values(self, steps: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
-        """Values of each parameter, shape (flights,), at ``steps`` sigmas, shape (flights, width)."""
+        """Values of each parameter, shape (flights,), at ``steps`` (sigma), shape (flights, width)."""
         for draw, own in drawn(self.draws, steps):
             yield from zip(draw.targets, _values(draw, own), strict=True)
 
@@ -54,7 +54,7 @@ def sources(plan: Plan) -> list[Source]:
     """Sources of a campaign: parameters and groups in the order of the file, then lists.
 
     Raises:
-        ConfigError: it has none, or something in it has no covariance.
+        ConfigError: the campaign has no dispersions, or something in it has no covariance.
     """
     if plan.sweep is not None or plan.fault_matrix is not None:
         raise refusal(plan.name, "covariance is that of one flight: leave out sweep and fault_matrix")
@@ -95,7 +95,7 @@ def moments(draw: Draw) -> tuple[float, float]:
     """Mean and standard deviation of one parameter's distribution.
 
     Raises:
-        ConfigError: it is one of several names.
+        ConfigError: the values of the distribution are no numbers.
     """
     try:
         values = draw.values(ndtr(_DEVIATES)[:, None])[0].astype(float)
@@ -114,7 +114,7 @@ def _values(draw: Draw, steps: np.ndarray) -> list[np.ndarray]:
 
 def hadamard(order: int) -> np.ndarray | None:
     """Matrix of -1 and 1 with orthogonal columns, shape (order, order), by Paley's first construction and by
-    doubling; ``None`` where neither makes one.
+    doubling; ``None`` if neither gives this order.
 
     Source: Plackett and Burman, Biometrika 33 (1946) 305; Paley, J. Math. Phys. 12 (1933) 311.
     """
@@ -128,13 +128,14 @@ def hadamard(order: int) -> np.ndarray | None:
 
 
 def at_least(order: int) -> np.ndarray:
-    """The smallest such matrix of at least this order."""
+    """The smallest Hadamard matrix of at least this order."""
     return next(found for size in count(max(order, 1)) if (found := hadamard(size)) is not None)
 
 
 def design(columns: int, more: int, pairs: int, seed: int) -> np.ndarray:
-    """Signs of the first flight of each pair, shape (at least ``pairs``, columns + more); those of the second
-    are opposite.  The first ``columns`` are orthogonal to each other; ``more`` columns are drawn.
+    """Signs of the steps in the first flight of each pair, shape (at least ``pairs``, columns + more); the
+    second flight has the opposite signs.  The first ``columns`` are orthogonal to each other, the ``more``
+    others are random.
     """
     generator = np.random.default_rng(seed)
     matrix = at_least(max(pairs, columns))
@@ -154,14 +155,14 @@ def _paley(prime: int) -> np.ndarray:
 
 
 class EventFigures(NamedTuple):
-    """Figures of an event: the two of the ``position`` that span its ellipse, if it has one, and others."""
+    """Names of the figures of an event: the two of the ``position`` that span an ellipse, if any; others."""
 
     position: tuple[str, ...]
     others: tuple[str, ...]
 
     @property
     def all(self) -> tuple[str, ...]:
-        """Every figure."""
+        """Names of all figures, those of the position first."""
         return self.position + self.others
 
 
@@ -181,7 +182,7 @@ EVENTS = {
 
 
 def figures_at(event: str) -> EventFigures:
-    """Figures of an event.
+    """Names of the figures of an event.
 
     Raises:
         ConfigError: there is no such event.
@@ -213,6 +214,6 @@ def figures_of(
 
 
 def ending_at_deployment(plan: Plan) -> Plan:
-    """The same flights, ended when the parachute is deployed."""
+    """A plan of the same flights, which end when the parachute is deployed."""
     document = with_values(plan.loaded.document, {"mission.goal": "deployment"}, Scenario)
     return replace(plan, loaded=check_document(document))

@@ -1,5 +1,5 @@
-"""Engines that fly the cases of a campaign: threads of this process, or workers of a Dask cluster.  Rows are
-the same from each.
+"""Engines that fly the cases of a campaign: threads of this process, or workers of a Dask cluster.  Both give
+the same rows.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ class Threads:
         return f"{self.workers} thread{'s' if self.workers > 1 else ''}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
-        """Rows of all cases, in order; ranges are read only a little ahead."""
+        """Fly the cases of all ranges and yield their rows in order; ranges are read only a little ahead."""
         cases = chain.from_iterable(plan.cases(*some) for some in ranges)
         return CaseRunner(plan.loaded, collected(plan)).rows(cases, self.workers)
 
 
 class Dask:
-    """Workers of a Dask cluster: the cases of one that dies go to another, one that joins takes part."""
+    """Workers of a Dask cluster.  Cases of a worker that dies go to another; workers may join at any time."""
 
     def __init__(self, client: Client):
         self.client = client
@@ -57,10 +57,10 @@ class Dask:
         return f"Dask, {len(self.client.nthreads())} workers at {address}"
 
     def rows(self, plan: Plan, ranges: Iterable[Range]) -> Iterator[Row]:
-        """Rows of all cases, in order.
+        """Fly the cases of all ranges and yield their rows in order.
 
         Raises:
-            OSError: no worker is left and none has joined for a while, or one is no copy of this program.
+            OSError: no worker is left and none has joined for a while, or one runs another program.
         """
         order = plan.text, identity(plan)
         waiting: deque[Future] = deque()
@@ -75,7 +75,7 @@ class Dask:
             yield from self._result(waiting.popleft())
 
     def _result(self, future: Future) -> list[Row]:
-        """Rows of a task; one whose rows were lost with a worker is flown again by the next."""
+        """Rows of a task; a task whose rows were lost with a worker is flown again by another worker."""
         from distributed import CancelledError, KilledWorker
 
         seen = time.monotonic()
@@ -97,7 +97,7 @@ class Dask:
                 raise OSError(f"no worker of the cluster has been there for {PATIENCE_S:.0f} s")
 
 
-#: What flies ranges of cases.
+#: Flies ranges of cases.
 Engine = Threads | Dask
 
 
@@ -112,7 +112,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     """
     from distributed import Client, LocalCluster
 
-    # their messages are given here, in a line
+    # errors of these modules are reported by this function, in one line
     for name in ("distributed.batched", "distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if address is not None:
@@ -131,7 +131,7 @@ def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[
     """Fly cases on a worker, which keeps the plan and its runner for later tasks.
 
     Raises:
-        OSError: the worker is no copy of the program that sent the cases, or has other tables.
+        OSError: the worker runs another program than the sender of the cases, or has other tables.
     """
     _require_same(differences_from(ordered, plan_text))
     plan, runner, present = _prepared(plan_text)

@@ -1,6 +1,6 @@
 """Mean and spread of figures over neighbouring flights, whose initial states are practically equal.
 
-The closed loop responds to a change of a nanometre per second with another sequence of pulses, so the digits
+The closed loop responds to a change of a nanometre per second with another sequence of pulses, so the figures
 of one flight are one random draw of many.  Neighbouring flights differ by a millionth of a metre per second
 in entry speed and by the number of their random profiles.  Their mean is the value of a figure, and their
 standard deviation is its spread.
@@ -30,7 +30,7 @@ _BALANCES = frozenset(figure.name for figure in BALANCES)
 
 
 class SampleMean(NamedTuple):
-    """Mean, standard deviation (``nan`` of a single flight), and how many flights reached a figure."""
+    """Mean, standard deviation (``nan`` for a single flight), and number of flights that reached a figure."""
 
     mean: float
     deviation: float
@@ -57,14 +57,14 @@ def fly_neighbours(
     belief: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> list[Row]:
-    """Fly neighbours; ``belief`` changes all of them, by dotted path, and the truth with it."""
+    """Fly neighbours; ``belief`` changes belief and truth of all of them, by dotted path."""
     cases = [replace(case, belief=belief or {}) for case in neighbours(loaded, count, step_m_s)]
     return list(fly_rows(loaded, cases, progress=progress))
 
 
 def sample_means(rows: Sequence[Row], published: Published) -> dict[str, SampleMean]:
     """Mean and spread of every figure of merit that a flight reached, in the order of their declaration, then
-    of published figures at events; of the absolute value of a figure that is published without its sign.
+    of published figures at events.  A figure that is published without its sign counts by its absolute value.
     """
     beside = {figure.name: entry for figure, entry in published_figures(published)}
     found = {}
@@ -82,12 +82,12 @@ def clear_differences(
     """Figures in which two flights differ by more than neighbours do, the largest relative difference first.
 
     Args:
-        spreads: of figures over neighbours of one of the flights.
+        spreads: mean and spread of the figures over neighbours of one of the flights.
         one, two: figures of the flights by name.
 
     Returns:
-        The largest difference of two neighbours by name, at 95 % for all figures together (Student's t of the
-        difference of two draws, Bonferroni).
+        By name of each such figure, the largest difference that two neighbours may have, at 95 % for all
+        figures together (Student's t of the difference of two draws, Bonferroni).
     """
     known = {
         name: (spread, one[name], two[name])

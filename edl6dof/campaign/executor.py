@@ -1,5 +1,5 @@
-"""Fly cases in threads, a row of the results table for each: the compiled loop holds no lock, so every core
-flies.
+"""Fly cases in threads, a row of the results table for each: the compiled loop releases Python's lock, so
+every core flies.
 
 >>> table_of(fly_rows(edl6dof.load("tianwen1"), [Case(0, truth={"vehicle.mass.entry_kg": 1300.0})]))
 
@@ -37,15 +37,15 @@ Progress = Callable[[int, Row], None]
 _BATCH, _AHEAD = 4, 2
 #: Errors of a single case; it becomes a row, and the others fly on.
 _UNFLYABLE = (ConfigError, NotApplied, ValueError, ArithmeticError, np.linalg.LinAlgError)
-#: Start of the numbers of a message; a cause has none, so that cases with one cause count together.
+#: Where the numbers of a message start; they are left out of a cause, so that equal causes count together.
 _NUMBERS = re.compile(r"[\[(]|\b\d")
 
 
 def _flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: Collect | None) -> Row:
-    """Row of a flown case: changes, its end, figures of the flight, columns of the caller."""
+    """Row of a flown case: its changes, the end and the figures of the flight, columns of ``collect``."""
     row: Row = {"case": case.index, **case.label, **{path: _plain(value) for path, value in changes.items()}}
     row.update(success=flight.success, cause=flight.cause, outcome=flight.outcome, end_s=flight.time_s)
-    for more in (flight.metrics, collect(flight) if collect is not None else {}):
+    for more in (flight.figures, collect(flight) if collect is not None else {}):
         if twice := row.keys() & more.keys():
             raise ValueError(f"column given twice: {', '.join(sorted(twice))}")
         row.update(more)
@@ -53,7 +53,7 @@ def _flown_row(case: Case, changes: Mapping[str, Any], flight: Flight, collect: 
 
 
 def _plain(value: Any) -> Any:
-    """Numbers, texts and lists of numbers as they are; whole sections and lists of models, such as those of
+    """Return numbers, texts and lists of numbers unchanged; whole sections and lists of models, such as
     faults, as JSON text without defaults.
     """
     if type(value) is float:
@@ -77,7 +77,7 @@ def _failed_row(case: Case, reason: str) -> Row:
 
 
 def table_of(rows: Iterable[Row]) -> pa.Table:
-    """Rows as a table; columns in the order in which rows bring them, null where a row has none."""
+    """Rows as a table; columns in the order of first appearance, null where a row lacks a column."""
     rows = list(rows)
     names = list(dict.fromkeys(name for row in rows for name in row))
     return pa.table({name: _column([row.get(name) for row in rows]) for name in names})
@@ -105,12 +105,12 @@ def fly_rows(
     collect: Collect | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Row]:
-    """Fly cases and yield their rows, in the order of the cases; only a few cases are held at a time.
+    """Fly cases and yield their rows, in the order of the cases; only a few cases are in memory at a time.
 
     Args:
         loaded: the scenario that the cases change.
         cases: read as they are needed.
-        workers: threads; as many as the process may use cores if not given.
+        workers: number of threads; by default the number of cores that the process may use.
         collect: returns more columns of a flight; runs in the worker threads, and must not keep the flight.
         progress: called after each row, in the caller's thread.
     """
@@ -123,7 +123,9 @@ def fly_rows(
 def in_threads(
     work: Callable[[Item], Result], items: Iterable[Item], workers: int | None = None
 ) -> Iterator[Result]:
-    """``map`` over threads: in order, read a little ahead, nothing left running when the caller stops."""
+    """Apply ``work`` to items in threads and yield the results in order.  Items are read a little ahead, and
+    no thread is left running when the caller stops.
+    """
     count = workers or available_cores()
     waiting: deque[Future[Result]] = deque()
     pool = ThreadPoolExecutor(count, thread_name_prefix="edl6dof")
@@ -139,12 +141,12 @@ def in_threads(
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _batches(cases: Iterable[Case], workers: int) -> Iterator[list[Case]]:
-    """Cases as threads take them: first single ones, so that a few cases keep all workers busy."""
+    """Yield batches of cases for threads: first single cases, so that few cases keep all workers busy."""
     cases = iter(cases)
     for count in chain(repeat(1, _BATCH * workers), repeat(_BATCH)):
         if not (some := list(islice(cases, count))):
@@ -156,7 +158,7 @@ class CaseRunner:
     """Flies cases of one scenario, each in the calling thread; every thread has a telemetry buffer of its
     own.
 
-    A flight records the channels of its figures, and all channels for ``collect``.
+    A flight records the telemetry channels that its figures need, or all channels if there is a ``collect``.
     """
 
     def __init__(self, loaded: LoadedScenario, collect: Collect | None = None):
@@ -173,14 +175,14 @@ class CaseRunner:
     def fly(self, cases: Sequence[Case]) -> list[Row]:
         """Fly a few cases; one that cannot fly becomes a row with the reason.
 
-        All are prepared before the first flies: a flight empties the processor's caches of what preparing
-        needs, and preparing each case after a flight takes half as long again.
+        All cases are prepared before the first one flies: a flight empties the processor's caches of what
+        preparing needs, and preparing each case after a flight takes half as long again.
         """
         prepared = [self.prepared(case) for case in cases]
         return [self._flown(case, ready) for case, ready in zip(cases, prepared, strict=True)]
 
     def prepared(self, case: Case) -> tuple[Variant, dict[str, Any]] | str:
-        """Return what flies, with its changes as columns of the row; or the reason why it cannot."""
+        """Return what flies, with the changes as columns of the row; or why the case cannot fly."""
         try:
             variant = self.variants.build(case)
             return variant, variant.applied(case)
@@ -198,7 +200,7 @@ class CaseRunner:
         return _flown_row(case, changes, flight, self.collect)
 
     def _log(self, rows: int) -> np.ndarray:
-        """Reused telemetry rows: fresh pages for each flight cost 3 % of it."""
+        """Telemetry rows of this thread, used again: fresh memory for each flight costs 3 % of its time."""
         if getattr(self._buffers, "log", None) is None or len(self._buffers.log) < rows:
             self._buffers.log = np.zeros(rows, BRIEF if self.collect is None else TICK)
         return self._buffers.log

@@ -21,7 +21,7 @@ from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FaultParams, about
 from edl6dof.vehicle.plant import NOT_BEGUN
 
-#: Until backshell release, and from then on; a fault that did not begin before touchdown.
+#: Regimes: until backshell release, and from then on; a fault that did not begin before touchdown.
 AIR, POWERED, NOT_BEGUN_YET = "air", "powered", "not begun"
 #: The failure of a thruster that has an effect without a command.
 _OPEN: ThrusterFailure = "stuck_on"
@@ -45,19 +45,19 @@ class Isolation:
 
     @property
     def label(self) -> str:
-        """``D7 stuck_off``, ``gyro g3``, ``star_tracker``."""
+        """Text such as ``D7 stuck_off``, ``gyro g3`` or ``star_tracker``."""
         one = self.failure
         if one.kind:
             return f"{one.name} {one.kind}"
         return one.name if one.name == one.component else f"{one.component} {one.name}"
 
     def names(self, failure: Failure) -> bool:
-        """Return whether it is about the component that failed."""
+        """Return whether the isolated component is the one that failed."""
         return (self.failure.component, self.failure.name) == (failure.component, failure.name)
 
 
 def collected(plan: Plan) -> Collect | None:
-    """Return the function of the columns that a plan's rows have beside the figures of every flight."""
+    """Return the function that adds the columns of a fault matrix to a row, ``None`` for other plans."""
     return fault_response if plan.fault_matrix is not None else None
 
 
@@ -73,9 +73,9 @@ def isolations(flight: Flight) -> list[Isolation]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """Return the failures to isolate for a fault: its component; of a dead branch, every thruster behind it.
+    """Return the failures to isolate for a fault: its component, or every thruster that a dead branch feeds.
 
-    A weak feed of all thrusters is isolated in none of them, but to isolate one as degraded is not wrong.
+    If the feed of all thrusters is weak, none need be isolated, but to isolate one as degraded is not wrong.
     """
     if fault.component in ("thruster", "branch"):
         return _thrusters(fault, truth)
@@ -84,7 +84,7 @@ def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
 
 
 def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """Every thruster that a fault makes fail."""
+    """Every thruster that a fault makes fail, with its kind of failure."""
     names = failed_thrusters(fault, truth.components, truth.branches)
     return [Failure("thruster", name, about(fault.kind).failure) for name in names]
 
@@ -101,12 +101,13 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
 
     ``fault_s``: time of the fault, null if the flight was over before.  ``first_use_s``: time from which all
     failed components have fired, leaked or been read since the fault, null if one was not: nothing can reveal
-    it.  ``used_s``: shortest time in use of any of them.  ``isolation_s`` and ``isolation_from_use_s``: time
-    from the fault, and from the first use, to the isolation of the last of them, null if one was not named.
-    ``kind_right``: all named with the right kind.  ``wrongly_named``: sound components, those named before
-    they failed, and those named with a wrong kind; ``sound_named`` without the last.  ``regime``: air or
-    powered, at the first use, or else at the fault, if that began.  ``peak_attitude_error_deg``: largest
-    error of pitch and yaw control between fault and touchdown.
+    it.  ``used_s``: shortest time in use of a failed component.  ``isolation_s`` and
+    ``isolation_from_use_s``: time from the fault, and from the first use, to the isolation of the last failed
+    component, null if one was not isolated.  ``kind_right``: true if all are isolated with the right kind.
+    ``wrongly_named``: isolated components that are sound, had not failed yet, or have another kind of
+    failure; ``sound_named``: these without the last group.  ``regime``: air or powered, at the first use, or
+    at the fault if a component was not used.  ``peak_attitude_error_deg``: largest error of pitch and yaw
+    control between fault and touchdown.
     """
     truth, named = flight.loaded.truth, isolations(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
@@ -115,7 +116,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
         (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
     wrong = [one for one in named if not _is_right(one, true)]
-    end = flight.metrics.get("touchdown_s", flight.time_s)
+    end = flight.figures.get("touchdown_s", flight.time_s)
     sound = [one for one in wrong if not any(one.names(f) and one.t_s >= since for f, since in true)]
     row: dict[str, Any] = dict.fromkeys(_COLUMNS) | {"regime": NOT_BEGUN_YET}
     row |= {"name_right": False, "kind_right": False}
@@ -127,7 +128,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
 
 
 def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bool:
-    """Return whether an isolation names a failure that has begun; that all gyros saturate isolates none."""
+    """Return whether an isolation names a failure that has begun; saturation of all gyros isolates none."""
     return isolation.failure.component == "inertial_unit" or any(
         isolation.failure == failure and isolation.t_s >= since for failure, since in true
     )
@@ -136,9 +137,9 @@ def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bo
 def _response(
     flight: Flight, failed: Sequence[tuple[Failure, float]], named: Sequence[Isolation], end: float
 ) -> dict[str, Any]:
-    """The columns about failures that have all begun, each at its time (s)."""
+    """The columns about failures that have all begun, each given with its time (s)."""
     table, since = flight.telemetry, min(since for _, since in failed)
-    t, powered_s = table["t_s"], flight.metrics.get("backshell_s", inf)
+    t, powered_s = table["t_s"], flight.figures.get("backshell_s", inf)
     step = float(t[1] - t[0]) if len(t) > 1 else 0.0
     used, used_s, isolated, kind_right = -inf, inf, -inf, True
     for failure, began in failed:

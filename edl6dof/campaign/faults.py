@@ -53,7 +53,9 @@ def usual_phases_of(scenario: Scenario, kind: str) -> list[str]:
 
 
 def phases_of(scenario: Scenario, wanted: Sequence[str] = USUAL_ROLES) -> list[str]:
-    """First phases of the ``wanted`` roles that the scenario has, or else all in which thrusters may fire."""
+    """The first phase of each of the ``wanted`` roles; all phases in which thrusters may fire if the scenario
+    has none of these roles.
+    """
     roles = scenario.phase_roles
     usual = [scenario.phase_names[roles.index(role)] for role in wanted if role in roles]
     return usual or [phase.name for phase in scenario.mission.phases if phase.thrusters]
@@ -70,7 +72,7 @@ def matrix_plan(
     """Return the plan of a matrix of faults.
 
     Args:
-        scenario: file, or name of a shipped one.
+        scenario: file, or name of a shipped scenario.
         matrix: faults and the moments at which they occur.
         sets: overrides of the scenario.
         vehicles: dispersed vehicles on which each cell is flown; the nominal one if ``None``.
@@ -150,7 +152,7 @@ def _regime(row: Row) -> str:
 
 
 def _counts(rows: Sequence[Row]) -> dict[str, Any]:
-    """Counts, and times from the fault and from the first use to right isolations."""
+    """Counts, and times (s) from the fault and from the first use to right isolations."""
     known = [row for row in rows if can_be_known(row)]
     right = [row for row in known if is_right(row)]
     return {
@@ -168,7 +170,7 @@ def _counts(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def _times(times: Sequence[float]) -> dict[str, float] | None:
-    """Median, 95 % and largest of some times, s."""
+    """Median, 95 % quantile and largest of some times, s."""
     if not times:
         return None
     median, most = np.quantile(times, [0.5, 0.95])
@@ -176,7 +178,7 @@ def _times(times: Sequence[float]) -> dict[str, float] | None:
 
 
 def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
-    """Return the requirements for single thrusters, or two of them, that fail; none for other components."""
+    """Return the requirements on faults of one or two single thrusters; none on other components."""
     if any(row["kind"] not in OF_THRUSTERS for row in rows):
         return ()
     together = {AND in row["component"] for row in rows}
@@ -184,7 +186,7 @@ def required_of(rows: Sequence[Row]) -> tuple[Requirement, ...]:
 
 
 def _acceptance(rows: Sequence[Row], whole: dict[str, Any]) -> list[dict[str, Any]]:
-    """The required figures that these flights have."""
+    """Compare the required figures that these flights have with their requirements."""
     of_regime = {regime: [row for row in rows if _regime(row) == regime] for regime in REGIMES}
     times = {regime: _counts(some)["from_use_s"] for regime, some in of_regime.items()}
     values = {

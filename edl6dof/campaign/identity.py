@@ -59,7 +59,7 @@ def differences_from(recorded: Identity, plan_text: str) -> list[str]:
 
 
 def compared(recorded: Identity, present: Identity) -> list[str]:
-    """Return the differences of two identities; a plan that is read again may find other files."""
+    """Return the items that differ between two identities, each as ``item: was this, is that``."""
     was, now = dict(recorded.items()), dict(present.items())
     changed = [name for name in {**was, **now} if was.get(name) != now.get(name)]
     return [f"{name}: was {_shown(was.get(name))}, is {_shown(now.get(name))}" for name in changed]
@@ -85,7 +85,7 @@ def _present(
 
 @cache
 def source_hash() -> str:
-    """Hash of every source file of the package that a row can follow from."""
+    """Hash of every source file of the package that can change a row."""
     files = (file.relative_to(PACKAGE) for file in PACKAGE.rglob("*.py"))
     return digest({file.as_posix(): _hash(PACKAGE / file) for file in files if file.parts[0] not in _ASIDE})
 
@@ -102,7 +102,7 @@ def _hash(path: Path) -> str:
 
 
 def _shown(value: str | None) -> str:
-    """A hash shortened, anything else as it is."""
+    """Shorten a hash; return anything else as it is."""
     return "not there" if value is None else value[:12] if len(value) == 64 else value
 
 
@@ -124,7 +124,7 @@ def input_files(plan: Plan) -> list[Path]:
 
 
 def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything but numbers that replaces the scenario's value in some cases."""
+    """Yield path and value of everything but numbers that a case puts in place of the scenario's value."""
     exchanges = list(plan.axes)
     for draw in plan.draws:
         exchanges += [(target, getattr(draw.distribution, "choices", ())) for target in draw.targets]
@@ -133,7 +133,7 @@ def _exchanged(plan: Plan) -> Iterator[tuple[str, Any]]:
 
 
 def _named(path: str, value: Any, folder: Path) -> Iterator[Path]:
-    """The files that a value at a dotted path names, directly or further inside."""
+    """Yield the files that a value at a dotted path names, directly or further inside."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _named(f"{path}.{key}", inner, folder)

@@ -1,7 +1,7 @@
 """The rows of a campaign in parts, each written completely or not at all.
 
 The SHA-256 of each part is written first, in a file of its own, as ``sha256sum`` writes it.  A part also
-contains the identity of its campaign.  One that is damaged or of another campaign is flown again.
+contains the identity of its campaign.  A part that is damaged or of another campaign is flown again.
 """
 
 from __future__ import annotations
@@ -40,25 +40,25 @@ _IDENTITY = b"edl6dof.campaign"
 
 @dataclass(frozen=True)
 class Parts:
-    """The parts of one campaign; part ``k`` holds the cases from ``k * PART`` on."""
+    """The parts of one campaign; part ``k`` has the ``PART`` cases from number ``k * PART`` on."""
 
     folder: Path
     identity: str
 
     def path(self, index: int) -> Path:
-        """File of a part."""
+        """Path of the file of a part."""
         return self.folder / f"{index:06d}.parquet"
 
     def indices(self) -> list[int]:
-        """Numbers of the parts in place, in order."""
+        """Numbers of the parts that exist, in ascending order."""
         found = map(NAMES.fullmatch, (path.name for path in self.folder.glob("*.parquet")))
         return sorted(int(match[1]) for match in found if match)
 
     def write(self, index: int, table: pa.Table) -> None:
-        """Put a part in place.
+        """Write a part, and its hash first.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: a file cannot be written.
         """
         sink = pa.BufferOutputStream()
         pq.write_table(table.replace_schema_metadata({_IDENTITY: self.identity}), sink, **_OPTIONS)
@@ -71,7 +71,7 @@ class Parts:
         """Read a part.
 
         Raises:
-            ConfigError: it is not as this campaign wrote it, or cannot be read.
+            ConfigError: the part is not as this campaign wrote it, or cannot be read.
         """
         path = self.path(index)
         written = read_file(path)
@@ -83,7 +83,7 @@ class Parts:
         return file
 
     def successes(self, index: int, first: int, last: int) -> int | None:
-        """Number of successes; ``None`` if a part cannot be read or does not hold exactly its cases."""
+        """Number of successful cases; ``None`` if a part is unreadable or has other cases than its own."""
         with suppress(ConfigError):
             table = self.read(index).read(["case", "success"])
             if table["case"].to_pylist() == list(range(first, last)):
@@ -121,7 +121,7 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
     """A Parquet file whose pages are checked as they are read; ``path`` is its name in messages.
 
     Raises:
-        ConfigError: it cannot be read.
+        ConfigError: the file cannot be read.
     """
     try:
         return pq.ParquetFile(source, page_checksum_verification=True)
@@ -130,7 +130,7 @@ def open_parquet(path: Path, source: Path | pa.BufferReader) -> pq.ParquetFile:
 
 
 def _schema(files: Iterable[pq.ParquetFile]) -> pa.Schema:
-    """Columns in the order in which they appear; an empty one takes the type of a later part."""
+    """Columns in the order of first appearance; one without values takes its type from a later file."""
     schemas = [file.schema_arrow.remove_metadata() for file in files]
     return pa.unify_schemas(schemas, promote_options="permissive")
 
@@ -143,6 +143,6 @@ def _read(file: pq.ParquetFile, columns: Collection[str] | None = None) -> pa.Ta
 def _joined(
     schema: pa.Schema, tables: Iterable[pa.Table], columns: Collection[str] | None = None
 ) -> pa.Table:
-    """Tables below each other under the columns of a schema; those that one lacks are empty in it."""
+    """Concatenate tables under the columns of a schema; a column that a table lacks is null in its rows."""
     wanted = pa.schema([field for field in schema if columns is None or field.name in columns])
     return pa.concat_tables([wanted.empty_table(), *tables], promote_options="permissive")

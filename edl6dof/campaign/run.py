@@ -1,4 +1,4 @@
-"""Fly a campaign into its folder: begin, go on, stop early, finish; and fly one of its cases again."""
+"""Fly a campaign into its folder: begin, resume, stop early, finish; and fly one of its cases again."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Tally:
 
     @property
     def rate(self) -> float:
-        """Flights per second since this process began, cases flown earlier left out."""
+        """Flights per second since this process began, without the cases of earlier processes."""
         return self.here / max(time.perf_counter() - self.began, 1e-9)
 
 
@@ -53,7 +53,7 @@ Report = Callable[[Tally], None]
 
 
 def begin(plan: Plan, store: Store, until: str | None, force: bool = False) -> None:
-    """Make the folder of a new campaign; raises as :meth:`Store.check_new`."""
+    """Make the folder of a new campaign; errors are those of :meth:`Store.check_new`."""
     store.begin(plan.text, Info(until=until, identity=identity(plan)), force)
 
 
@@ -61,8 +61,8 @@ def resumed_plan(store: Store) -> Plan:
     """Return the plan of a campaign that was begun earlier.
 
     Raises:
-        ConfigError: it was begun with other sources, plugins, versions or tables, so that its table would
-            mix the rows of two programs.
+        ConfigError: the campaign was begun with other sources, plugins, versions or tables, so that the table
+            would mix the rows of two programs.
     """
     recorded, text = store.info.identity, store.plan_text
     _require_same(store, differences_from(recorded, text))
@@ -78,15 +78,15 @@ def _require_same(store: Store, found: list[str]) -> None:
 
 
 def _refused(store: Store, message: str) -> ConfigError:
-    """The error of a campaign that does not go on; it names every difference, however many."""
+    """The error of a campaign that cannot be resumed; its message names every difference."""
     return ConfigError([Problem(str(store.folder), 0, 0, "", message)])
 
 
 def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) -> Tally:
-    """Fly every missing case, put the table together and return the final progress.
+    """Fly every missing case, write the table and return the final progress.
 
     Raises:
-        ConfigError: a table that the cases read has changed meanwhile.
+        ConfigError: a table that the cases read has changed since the campaign began.
         OSError: a file cannot be written, or the engine has failed.
     """
     info, parts = store.info, store.parts
@@ -118,7 +118,7 @@ def fly(plan: Plan, store: Store, engine: Engine, report: Report | None = None) 
 
 
 def _summary(plan: Plan, tally: Tally, table: pa.Table, engine: str) -> Summary:
-    """Results of a campaign; success of a Sobol design is that of its independent flights."""
+    """Results of a campaign; in a Sobol design only the independent flights count for success."""
     success = tally.success
     if plan.saltelli is not None:
         independent = table.filter(pc.is_in(table[MATRIX], pa.array([A, B])))
@@ -155,7 +155,7 @@ def case_scenario(plan: Plan, number: int) -> LoadedScenario:
 
 
 def differences(table: pa.Table, place: object, plan: Plan, number: int, flight: Flight) -> list[str]:
-    """Columns in which a flight differs from its row, if only by one bit; ``place``: of the table.
+    """Columns in which a flight differs from its row, if only by one bit; ``place``: path of the table.
 
     Raises:
         ConfigError: the case has no row yet.
@@ -166,7 +166,7 @@ def differences(table: pa.Table, place: object, plan: Plan, number: int, flight:
     row = table.slice(found.index(number), 1).to_pylist()[0]
     ended = {"cause": flight.cause, "outcome": flight.outcome, "end_s": flight.time_s}
     collect = collected(plan)
-    mine = {"success": flight.success, **ended, **flight.metrics, **(collect(flight) if collect else {})}
+    mine = {"success": flight.success, **ended, **flight.figures, **(collect(flight) if collect else {})}
     case = next(plan.cases(number, number + 1))
     changed = (*(TRUTH + path for path in case.truth), *(BELIEF + path for path in case.belief))
     known = {"case", "profile", *mine, *case.label, *changed}

@@ -1,5 +1,5 @@
 """Sensitivity of a figure: shares of its variance from the dispersed flights of any campaign
-(:func:`drivers`), and Sobol indices from flights of the design for them (:func:`sobol_indices`).
+(:func:`drivers`), and Sobol indices from flights that are designed for these indices (:func:`sobol_indices`).
 
 Shares are designed for many inputs and few flights.  Figure and inputs are replaced by their normal scores,
 so that outliers and the shapes of distributions have little effect.  Groups are added to the regression one
@@ -75,13 +75,13 @@ class Drivers:
 
 @dataclass(frozen=True)
 class _Inputs:
-    """Inputs of the flights that have a figure, formed once for all figures of these flights.
+    """Inputs of the flights that have a figure, shared by all figures of the same flights.
 
     Attributes:
         scores: normal scores of each group, shape (n, inputs of the group).
-        regressors: of all groups, orthonormal within each, shape (n, terms).
+        regressors: regressors of all groups, orthonormal within each, shape (n, terms).
         columns: columns of the regressors of each group that is not constant, shape (terms of the group,).
-        correlation: of all regressors, shape (terms, terms).
+        correlation: correlation of all regressors, shape (terms, terms).
     """
 
     scores: dict[str, np.ndarray]
@@ -105,13 +105,14 @@ class _Inputs:
 def drivers(
     groups: Mapping[str, np.ndarray], figures: Sequence[np.ndarray], chance: float = CHANCE
 ) -> list[Drivers]:
-    """The groups of inputs that drive each of several figures.
+    """Find the groups of inputs that drive each of several figures.
 
     Args:
         groups: inputs that belong together, shape (n, inputs of the group), by name; each group independent
             of the others.
         figures: each of shape (n,), NaN where a flight has none.
-        chance: probability that any group is named for any of the figures where none does anything.
+        chance: probability that at least one group is named for at least one figure if no group has an
+            effect.
     """
     level = _of_each(chance, len(figures))
     known: dict[bytes, _Inputs] = {}
@@ -145,7 +146,7 @@ def _drivers(inputs: _Inputs, target: np.ndarray, chance: float) -> Drivers:
 
 
 def _of_each(chance: float, tries: int) -> float:
-    """Chance of each of some tries, so that the chance of any of them is ``chance`` (Sidak)."""
+    """Significance level of each of some tests for a ``chance`` of any false result (Sidak)."""
     return float(-np.expm1(np.log1p(-chance) / max(tries, 1)))
 
 
@@ -156,13 +157,13 @@ def _scores(values: np.ndarray) -> np.ndarray:
 
 
 def _ranks(values: np.ndarray) -> np.ndarray:
-    """Rank of each value, from 1 on, equal ones the mean of theirs; scipy.stats loads too slowly for this."""
+    """Rank of each value, from 1 on; equal values have their mean rank (scipy.stats loads too slowly)."""
     _, place, equal = np.unique(values, return_inverse=True, return_counts=True)
     return np.asarray((np.cumsum(equal) - 0.5 * (equal - 1))[place])
 
 
 def _terms(scores: np.ndarray) -> np.ndarray:
-    """Orthonormal regressors of a group, shape (n, terms): straight and, if flights suffice, square."""
+    """Orthonormal regressors of a group, shape (n, terms): linear and, if flights suffice, quadratic."""
     enough = 2 * scores.shape[1] * _FLIGHTS_PER_TERM <= len(scores)
     columns = np.hstack([scores, scores**2]) if enough else scores
     vectors, values, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
@@ -170,7 +171,7 @@ def _terms(scores: np.ndarray) -> np.ndarray:
 
 
 def _told_from_chance(inputs: _Inputs, target: np.ndarray, chance: float) -> tuple[list[str], float]:
-    """Significant groups in the order of their addition, and the least share of one more."""
+    """Significant groups in the order of their addition, and the least share that one more would need."""
     centred = target - target.mean()
     aim = centred @ inputs.regressors / np.linalg.norm(centred)
     # correlation of the regressors and, last, the figure: the part that the groups taken leave unexplained
@@ -199,7 +200,7 @@ def _told_from_chance(inputs: _Inputs, target: np.ndarray, chance: float) -> tup
 
 
 def _explained(rest: np.ndarray, own: np.ndarray) -> float:
-    """Return the share of the figure, the last row, that some regressors explain."""
+    """Return the share of the figure, the last row of ``rest``, that the regressors ``own`` explain."""
     return float(np.sum((rest[-1, own] @ _whitening(rest[np.ix_(own, own)])) ** 2))
 
 
@@ -218,7 +219,7 @@ def _p_value(unexplained: float, terms: int, free: int) -> float:
 
 
 def _critical(terms: int, free: int, level: float) -> float:
-    """Return the adjusted share of the remaining variance from which regressors are significant."""
+    """Return the adjusted share of the remaining variance above which regressors are significant."""
     unexplained = float(betaincinv(0.5 * free, 0.5 * terms, level))
     return 1.0 - unexplained - terms / free * unexplained
 
@@ -289,8 +290,8 @@ def sobol_indices(a: np.ndarray, b: np.ndarray, swapped: Mapping[str, np.ndarray
 
     Args:
         a: the figure of the flights of matrix A, shape (rows,); NaN where a flight has none.
-        b: the same of matrix B.
-        swapped: the same of A with one group taken from B, by the name of the group.
+        b: the figure of the flights of matrix B.
+        swapped: the figure of the flights of A with one group taken from B, by the name of the group.
     """
     every = np.stack([a, b, *swapped.values()])
     every = every[:, np.isfinite(every).all(axis=0)]
@@ -309,7 +310,7 @@ def sobol_indices(a: np.ndarray, b: np.ndarray, swapped: Mapping[str, np.ndarray
 
 
 def _indices(figure: np.ndarray) -> np.ndarray:
-    """Indices (2, groups, samples), first-order and total, of figures (2 + groups, samples, rows)."""
+    """First-order and total indices (2, groups, samples) from figures (2 + groups, samples, rows)."""
     spread = np.concatenate([figure[0], figure[1]], axis=-1)
     a, b, swapped = figure[0], figure[1] - spread.mean(axis=-1, keepdims=True), figure[2:]
     variance = np.maximum(spread.var(axis=-1), np.finfo(float).tiny)

@@ -1,5 +1,5 @@
-"""Statistics of a campaign: success probability with its interval, ellipses, quantiles with their bounds, as
-far as its flights can bound them, and the paired comparison of two campaigns.
+"""Statistics of a campaign: success probability with its interval, ellipses, quantiles with their bounds
+where the flights are enough, and the paired comparison of two campaigns.
 
 >>> flights_needed(0.99), flights_needed(0.9987)
 (368, 2836)
@@ -45,7 +45,7 @@ class Proportion:
 
     @classmethod
     def of(cls, kept: Sequence[bool]) -> Self:
-        """The share of those that are true."""
+        """Count the true values of ``kept``."""
         return cls(sum(map(bool, kept)), len(kept))
 
     @property
@@ -55,7 +55,7 @@ class Proportion:
 
     @property
     def interval(self) -> tuple[float, float]:
-        """Lower and upper end; all of 0..1 without trials."""
+        """Lower and upper end of the interval; 0 and 1 without trials."""
         if not self.trials:
             return 0.0, 1.0
         n, z = self.trials, float(ndtri(0.5 * (1.0 + self.confidence)))
@@ -86,7 +86,7 @@ class Until:
         """Read ``p_success +- 0.5%``.
 
         Raises:
-            ValueError: it has another form.
+            ValueError: the text has another form.
         """
         match = re.fullmatch(r"\s*p_success\s*(?:\+-|\+/-|±)\s*([0-9.]+(?:[eE][-+]?\d+)?)\s*(%?)\s*", text)
         try:
@@ -105,13 +105,13 @@ class Until:
 def ellipse(
     east: np.ndarray, north: np.ndarray, sigmas: float, points: int = 181
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Curve at ``sigmas`` standard deviations of the normal distribution fitted to the points."""
+    """East and north of the ellipse at ``sigmas`` standard deviations of a normal fit to given places."""
     curve = contour(np.cov(np.stack([east, north])), sigmas, points)
     return curve[0] + east.mean(), curve[1] + north.mean()
 
 
 def contour(covariance: np.ndarray, sigmas: float, points: int = 181) -> np.ndarray:
-    """Curve (2, points) at ``sigmas`` deviations about zero of a normal ``covariance`` (2, 2)."""
+    """Ellipse (2, points) at ``sigmas`` standard deviations about zero for a normal ``covariance`` (2, 2)."""
     values, vectors = np.linalg.eigh(covariance)
     angle = np.linspace(0.0, 2.0 * np.pi, points)
     return vectors @ (
@@ -136,17 +136,17 @@ class Quantile:
 
 
 def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile | None:
-    """A quantile of ``values``, shape (n,), NaN where a flight has none; ``None`` where too few to bound it.
+    """A quantile of ``values``, shape (n,), NaN where a flight has none; ``None`` if too few to bound it.
 
     The bounds are two of the values themselves, whatever the distribution: the number of values below the
     quantile is binomial.  Of flights that are stratified (Latin hypercube, Sobol sequence) and not
     independent, the bounds hold on the safe side where the figure rises or falls with each input.
 
     Args:
-        values: infinite ones are left out, unless ``flown``.
+        values: values of all flights; infinite ones are left out, unless ``flown``.
         share: of the flights that stay below.
-        flown: True for the next flown value above in place of an interpolated one; infinite ones are then
-            flights that failed, and the largest.
+        flown: True to take the next larger flown value in place of an interpolated one; infinite values then
+            count as flights that failed, larger than all others.
 
     Source: Wilks, Ann. Math. Stat. 12 (1941) 91; David and Nagaraja, Order Statistics, 3rd ed., 7.1.
     """
@@ -160,7 +160,7 @@ def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile 
 
 @cache
 def _bounding(n: int, share: float) -> tuple[int, int]:
-    """Places of the two among ``n`` ordered values that bound a quantile, from 0 on."""
+    """Indices (from 0) of the two among ``n`` ordered values that bound a quantile."""
     tail = 0.5 * (1.0 - CONFIDENCE)
     low, high = (
         bisect_left(range(n), chance, key=lambda below: bdtr(below, n, share))
@@ -170,17 +170,17 @@ def _bounding(n: int, share: float) -> tuple[int, int]:
 
 
 def flights_needed(share: float) -> int:
-    """Flights of which the least and the largest bound a quantile."""
+    """Least number of flights whose smallest and largest value bound a quantile."""
     return ceil(log(0.5 * (1.0 - CONFIDENCE)) / log(max(share, 1.0 - share)))
 
 
 def bounded_shares(flights: int) -> tuple[float, ...]:
-    """Quantiles of :data:`SHARES` that this number of flights gives a confidence interval for."""
+    """Shares of :data:`SHARES` whose quantiles this number of flights can bound."""
     return tuple(share for share in SHARES if flights_needed(share) <= flights)
 
 
 def percent(share: float) -> str:
-    """A share in words: ``99.87 %``."""
+    """Text of a share in per cent, such as ``99.87 %``."""
     return f"{100.0 * share:g} %"
 
 
@@ -190,8 +190,8 @@ _ENDS = {"case", "success", "cause", "outcome", "profile"}
 
 @dataclass(frozen=True)
 class Difference:
-    """Mean of a figure in both, and of the paired difference B - A with its 95 % interval; ``clear`` where no
-    difference is excluded at 95 % for all figures together.
+    """Means of a figure in both campaigns, and of the paired difference B - A with half of its 95 % interval;
+    ``clear``: True if no difference is excluded at 95 % for all figures together.
     """
 
     figure: str
@@ -228,7 +228,7 @@ class Comparison:
 
 
 def mcnemar(only_a: int, only_b: int) -> float:
-    """Probability of a split of the single successes at least as uneven if the configurations do not differ.
+    """Probability that pairs with one success split at least as unevenly if the configurations do not differ.
 
     Source: McNemar, Psychometrika 12 (1947) 153, with the exact binomial distribution.
     """
@@ -240,7 +240,7 @@ def compare(first: Store, second: Store) -> Comparison:
     so that a small difference shows with few flights.
 
     Raises:
-        ConfigError: they did not fly the same cases.
+        ConfigError: the campaigns did not fly the same cases.
     """
     a, b = first.table().sort_by("case"), second.table().sort_by("case")
     cases = np.intersect1d(a["case"].to_numpy(), b["case"].to_numpy())
@@ -255,7 +255,7 @@ def compare(first: Store, second: Store) -> Comparison:
 
 
 def _require_common(a: pa.Table, b: pa.Table, first: Store, second: Store) -> None:
-    """Every quantity that both disperse must have the same values: only then are these pairs."""
+    """Require the same values of every quantity that both campaigns disperse, so that cases are pairs."""
     if not len(a):
         raise refusal(first.folder, f"has no case in common with {second.folder}")
     drawn = [name for name in a.column_names if name.startswith((TRUTH, BELIEF, "profile"))]
@@ -281,7 +281,7 @@ def _differences(a: pa.Table, b: pa.Table) -> list[Difference]:
 
 
 def _both(a: pa.Table, b: pa.Table, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """A figure in those pairs in which both have it; nothing where a column is no figure."""
+    """Values of a figure in the pairs in which both flights have it; empty if the column is no figure."""
     numeric = name in b.column_names and all(pa.types.is_floating(table[name].type) for table in (a, b))
     if not numeric or name in _ENDS or name.startswith((TRUTH, BELIEF)):
         return np.empty(0), np.empty(0)

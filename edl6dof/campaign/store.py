@@ -47,12 +47,12 @@ class Identity(Sealed):
     """Everything that the rows of a campaign follow from: SHA-256 hashes and versions.
 
     Attributes:
-        plan: of the plan.
-        sources: of every source file of the package that a row can follow from.
-        versions: of the package and of the libraries that can change a bit, by name.
-        plugins: of each plugin by its path.
-        files: of each table, vehicle and planet file that is read, by its path; those of the package from
-            its folder on.
+        plan: hash of the plan.
+        sources: hash of every source file of the package that a row can follow from.
+        versions: versions of the package and of the libraries that can change a bit, by name.
+        plugins: hash of each plugin by its path.
+        files: hash of each table, vehicle and planet file that is read, by its path; paths in the package
+            begin at its folder.
     """
 
     plan: str
@@ -63,18 +63,18 @@ class Identity(Sealed):
 
     @property
     def digest(self) -> str:
-        """One hash of it all."""
+        """One hash of all items."""
         return digest(self.model_dump())
 
     def items(self) -> Iterator[tuple[str, str]]:
-        """Each item by the name that messages give it."""
+        """Yield each item with its name in messages."""
         yield from (("plan", self.plan), ("sources of edl6dof", self.sources), *self.versions.items())
         yield from ((f"plugin {name}", value) for name, value in self.plugins.items())
         yield from ((f"file {name}", value) for name, value in self.files.items())
 
 
 class Info(Sealed):
-    """Content of ``campaign.json``; ``until``: when to stop early, as in ``--until``."""
+    """Content of ``campaign.json``; ``until``: condition to stop early, as in ``--until``."""
 
     until: str | None
     identity: Identity
@@ -155,7 +155,7 @@ class Store:
 
     @property
     def complete(self) -> bool:
-        """True if all rows are together in one table."""
+        """True if all rows are in one table."""
         return os.path.lexists(self._summary)
 
     @property
@@ -179,10 +179,10 @@ class Store:
         """Keep other processes out; the system lifts the lock when the process ends, however it ends.
 
         Args:
-            make: True to make the folder if there is none; it is removed again if nothing was put into it.
+            make: True to make the folder if there is none; the folder is removed again if it stays empty.
 
         Raises:
-            ConfigError: another process works here, or there is no folder.
+            ConfigError: another process works in the folder, or there is none.
         """
         made = [path for path in (self.folder, *self.folder.parents) if not path.exists()] if make else []
         if make and not self.folder.exists():
@@ -208,10 +208,10 @@ class Store:
         return sorted(path for path in self.folder.iterdir() if path.name != _LOCK)
 
     def check_new(self, force: bool) -> None:
-        """Check that a campaign may begin here.
+        """Check that a campaign may begin in this folder.
 
         Raises:
-            ConfigError: the folder is not empty; with ``force``, it is not that of a campaign.
+            ConfigError: the folder is not empty; with ``force``, the folder is not that of a campaign.
         """
         if not (entries := self._entries()):
             return
@@ -224,7 +224,7 @@ class Store:
         list(self._own())
 
     def begin(self, plan_text: str, info: Info, force: bool = False) -> None:
-        """Put a plan into the folder; with ``force``, in place of the campaign that it holds.
+        """Put a plan into the folder; with ``force``, in place of the campaign that is there.
 
         Raises:
             ConfigError: see :meth:`check_new`.
@@ -236,7 +236,7 @@ class Store:
         write_atomic(self._plan, plan_text.encode())
 
     def _clear(self) -> None:
-        """Remove everything but ``campaign.json``, the plan first: without it nothing that is left counts."""
+        """Remove everything but ``campaign.json``, the plan first: without it, other files are ignored."""
         own = list(self._own())
         self._plan.unlink(missing_ok=True)
         sync(self.folder)
@@ -252,7 +252,7 @@ class Store:
         """Every file in the folder.
 
         Raises:
-            ConfigError: this program does not write one of them into the folder of a campaign.
+            ConfigError: a file is none that this program writes into the folder of a campaign.
         """
         for entry in self._entries():
             names = _FOLDERS.get(entry.name)
@@ -270,7 +270,7 @@ class Store:
             self._remove_parts()
 
     def finish(self, count: int, summary: Summary) -> None:
-        """Put the first ``count`` parts together, and remove all.
+        """Write the first ``count`` parts as one table, then the summary, and remove all parts.
 
         Raises:
             ConfigError: a part is damaged or of another campaign.
@@ -297,7 +297,7 @@ class Store:
 
     def table(self, columns: list[str] | None = None) -> pa.Table:
         """Return all rows so far; columns that no case has are left out."""
-        _ = self.plan_text  # without it nothing counts
+        _ = self.plan_text  # without a plan nothing counts
         if self.complete:
             _ = self.summary  # which checks the table
             file = open_parquet(self._cases, self._cases)
@@ -309,7 +309,7 @@ class Store:
 
 
 def _required(path: Path, names: re.Pattern[str]) -> Path:
-    """The path, if it is a file with one of the names, finished or not."""
+    """Return the path if it is a file with one of the names, finished or not; refuse any other."""
     left = _LEFT.fullmatch(path.name)
     name = (left["name"] or left["other"]) if left else path.name
     if path.is_file() and names.fullmatch(name):

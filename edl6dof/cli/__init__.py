@@ -46,10 +46,10 @@ def main() -> None:
         words = "holds settings of numba for this folder, which edl6dof does not take: start it elsewhere"
         print(f".numba_config.yaml: {words}, or set them as NUMBA_ variables", file=sys.stderr)
         sys.exit(BAD_INPUT)
-    # matrices here are some tens wide: threads of the linear algebra wait for each other a hundred times as
-    # long as they compute, and the last digits would follow from their number
+    # matrices here are small: threads of the linear algebra would wait for each other a hundred times as long
+    # as they compute, and the last digits would depend on the number of threads
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own keeps 9 MB that it has freed
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")  # pyarrow's own pool keeps 9 MB after use
     try:
         app(prog_name="edl6dof")
     except Exception:

@@ -38,7 +38,7 @@ def fly_campaign(job: Job, *, command: str = "campaign", quiet: bool = False, as
     """Fly a campaign, print the result and return the exit status.
 
     Raises:
-        ConfigError: the folder holds what the plan must not replace, or no campaign of this program.
+        ConfigError: the folder contains files that must not be replaced, or (to resume) no campaign.
         KeyboardInterrupt: a resumed campaign was interrupted.
     """
     silent = quiet or as_json
@@ -60,7 +60,7 @@ def fly_campaign(job: Job, *, command: str = "campaign", quiet: bool = False, as
 
 
 def _standing(job: Job, command: str) -> str:
-    """Text on the files of a campaign that was stopped."""
+    """Text on the files that a stopped campaign left, and on how to resume it."""
     store, plan = job.store, job.plan
     kept = f"what has flown is kept; go on with: edl6dof {command} {store.folder} --resume"
     if plan is None:
@@ -74,7 +74,7 @@ def _standing(job: Job, command: str) -> str:
 
 
 def _report(count: Callable[..., None], lines: bool) -> Report:
-    """Show progress and success so far; with ``lines`` a line at every tenth."""
+    """Return a function that shows progress and success; with ``lines`` it prints a line at each tenth."""
     tenth = 0
 
     def report(tally: Tally) -> None:
@@ -218,7 +218,7 @@ def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
 
 
 def _matrix(rows: Sequence[Row], kind: str) -> Table:
-    """Components by moments: named rightly green, wrongly magenta, not yellow; out of limits red."""
+    """Components by moments; named rightly: green, wrongly: magenta, not: yellow; out of limits: red."""
     table = open_table(kind.replace("_", " "), "", narrow=True)
     moments = list(dict.fromkeys(row["moment"] for row in rows))
     for moment in moments:
@@ -252,7 +252,7 @@ def _shares(groups: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def _times(groups: Sequence[Mapping[str, Any]], start: str, title: str) -> Table:
-    """Times (s) from a start to the right isolations of each kind of fault and regime."""
+    """Return a table of the times (s) from ``start`` to the right isolations, by kind of fault and regime."""
     table = open_table(title, "kind", "regime", "median>", "95 %>", "longest>", narrow=True)
     for group in groups:
         shown = [f"{group[start][name]:.2f}" if group[start] else "" for name in ("median", "p95", "worst")]

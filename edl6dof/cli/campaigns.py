@@ -121,7 +121,7 @@ def refly(
         release=True,
     )
     print(f"{target}: case {number}, {flight.outcome}")
-    if worst is not None and (value := flight.metrics.get(worst)) is not None:
+    if worst is not None and (value := flight.figures.get(worst)) is not None:
         figure = figure_of_merit(worst)
         print(f"{figure.meaning}: {significant(value)} {figure.unit.label}".rstrip())
     if not flight.differences:

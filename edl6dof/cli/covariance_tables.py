@@ -66,7 +66,7 @@ def _spreads(found: Covariance, sampled: np.ndarray | None) -> Table:
 
 
 def _rows(found: Covariance, sampled: np.ndarray | None) -> Iterator[tuple[str, str, Spread, Sampled | None]]:
-    """Label, unit and spread of the half axes and of every figure, each of one quantity."""
+    """Label, unit, predicted spread and sampled spread (or ``None``) of each half axis and of each figure."""
     event = found.event
     if size := len(event.position):
         own = along_axes(sampled, size) if sampled is not None else None
@@ -102,7 +102,7 @@ def _budget(found: Covariance) -> Table:
 
 
 def show_alone(found: Alone, event: EventFigures) -> None:
-    """Print slope and bend of each source alone, those that are bent more than steep marked."""
+    """Print slope and bend (first, second difference) of each source alone; marked if the bend is larger."""
     names = event.all[:_COLUMNS]
     table = _table("parameter", names)
     targets = [target for source in found.found for draw in source.draws for target in draw.targets]
@@ -117,14 +117,14 @@ def show_alone(found: Alone, event: EventFigures) -> None:
 
 
 def _table(first: str, names: Sequence[str]) -> Table:
-    """An empty table with a column for each figure, headed by its meaning and unit, word below word."""
+    """An empty table with a column for each figure, under its meaning and unit, broken into lines."""
     headings = (f"{figure.meaning} ({figure.unit.label or '1'})" for figure in map(figure_of_merit, names))
     broken = ("\n".join(wrap(heading, _HEADING, break_long_words=False)) for heading in headings)
     return open_table("", first, *(f"{heading}>" for heading in broken), narrow=True)
 
 
 def write_budget(found: Covariance, path: Path) -> None:
-    """Write the error budget as CSV: one row for each source, the rest, and all."""
+    """Write the error budget as CSV: rows for each source, the rest, the total, and their standard errors."""
     rows = [
         *found.contributions,
         ("rest", found.rest),

@@ -111,7 +111,7 @@ def show_aim(old: Scenario, new: Scenario, found: Aim, flights: Sequence[Flight]
     ):
         table.add_row(label, unit, *(f"{value:,.{places}f}" for value in values))
     for name in ("parachute_miss_m", "landing_distance_m"):
-        values = [flight.metrics.get(name, np.nan) for flight in flights]
+        values = [flight.figures.get(name, np.nan) for flight in flights]
         if np.isfinite(values).all():
             table.add_row(figure_of_merit(name).meaning, "m", *(f"{value:,.0f}" for value in values))
     console.print(table)
@@ -277,7 +277,9 @@ def landing_figure(
     law: str,
     own: tuple[np.ndarray, np.ndarray],
 ) -> Figure:
-    """Path, thrust, tilt, rate of the designed landing (times, states, controls) and of the law's own."""
+    """Draw path, thrust, tilt and rate of the ``designed`` landing (times, states, controls) and of the
+    flight with the scenario's ``law``.
+    """
     t, x, u = designed
 
     time = Axis("time from ignition (s)")

@@ -142,7 +142,7 @@ def _thrusters(diameter_m: float, thrust_n: float, count: int) -> Iterator[str]:
 
 def dispersions(scenario: Scenario) -> Iterator[tuple[str, str]]:
     """Dotted paths of the uncertain parameters of a scenario, and their spreads as YAML."""
-    from edl6dof.scenario.loaded import radius_m
+    from edl6dof.scenario.unusual import radius_m
 
     vehicle, initial = scenario.vehicle, scenario.initial
     diameter_m = 2.0 * radius_m(vehicle)
@@ -175,7 +175,7 @@ def _filled(template: str, values: Mapping[str, str]) -> str:
 
 
 def _write_plugin(shipped: str, name: str, force: bool) -> None:
-    """Write a shipped plugin, which may run, and its scenario under another name."""
+    """Write a shipped plugin and its scenario under another name, and record the consent to run it."""
     from edl6dof.config.document.locate import find_shipped
     from edl6dof.config.plugin_files import accept
 

@@ -10,7 +10,7 @@ from edl6dof.api.functions import activate
 from edl6dof.cli.group import NOT_WITHIN_LIMITS, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
-#: More flights than any mean, and than any mission, needs.
+#: Most flights that are accepted for means, and for each mission.
 MOST_FLIGHTS, MOST_OF_A_MISSION = 100_000, 1_000_000
 
 
@@ -67,7 +67,7 @@ def figures(
 
 
 def _enough(flights: int, most: int) -> int:
-    """Return a number of flights after checking that it gives a spread."""
+    """Return a number of flights after checking that it suffices for a spread and is at most ``most``."""
     if not 2 <= flights <= most:
         raise refusal(f"-n {flights}", f"a spread needs 2 flights, and at most {most} are flown")
     return flights

@@ -106,7 +106,7 @@ def show_calibration(found: Findings, target: Path) -> None:
     letters = [chr(ord("a") + k) for k in range(len(found.fit.x))]
     console.print("[bold]Parameters[/]")
     for letter, path in zip(letters, found.calibration.params.parameters, strict=True):
-        print(f"  {letter}   {path}")  # never broken, as in a column of the table
+        print(f"  {letter}   {path}")  # a column of the table would break it
     console.print(_parameters(found, letters))
     console.print(_figures(found))
     print_whole(_slopes(found, letters))

@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from edl6dof.api.arguments import naming_options
+from edl6dof.cli.completion import COMPLETIONS
 from edl6dof.config.errors import ConfigError, refusal
 
 #: The flight, or the result of flights, is not within its limits.
@@ -33,7 +34,9 @@ BROKEN_PIPE = 141
 
 def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
     """Declare an option with a value; ``names`` where they do not follow from the parameter."""
-    return typer.Option(*names, metavar=metavar, help=meaning, **bounds)
+    return typer.Option(
+        *names, metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar), **bounds
+    )
 
 
 def flag(meaning: str, *names: str) -> Any:
@@ -43,7 +46,7 @@ def flag(meaning: str, *names: str) -> Any:
 
 def argument(metavar: str, meaning: str) -> Any:
     """Declare an argument."""
-    return typer.Argument(metavar=metavar, help=meaning)
+    return typer.Argument(metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar))
 
 
 Sets = Annotated[
@@ -140,7 +143,7 @@ def examples(command: str) -> str:
 
 
 class Command(TyperCommand):
-    """A command whose help calls an argument as its reader does: ``RUN``, and not ``{RUN} <list[Path]>``."""
+    """A command whose help shows an argument as ``RUN``, and not as ``{RUN} <list[Path]>``."""
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the words behind ``Usage: edl6dof NAME``."""
@@ -223,7 +226,7 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
     """Check before anything is computed that a file, if one is named, has a known form and can be written.
 
     Raises:
-        ConfigError: it has another form, or exists.
+        ConfigError: the file has another form, or exists.
     """
     from edl6dof.runs.files import refuse_existing_file
 
@@ -238,7 +241,7 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
 def refusing_damage(*folders: Path) -> Iterator[None]:
     """Turn any error while results are read and shown into one line.
 
-    Files are checked when they are read; this is for a folder made up to pass those checks.
+    Files are checked when they are read; this covers a folder that was forged to pass those checks.
 
     Raises:
         ConfigError: names the line of this program that failed.
@@ -264,7 +267,6 @@ missing on this machine; 70 a defect of the program; 130 interrupted."""
 app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
-    add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

@@ -109,7 +109,7 @@ _MOST_PLACES = 8
 
 
 def compare_campaigns(first: Path, second: Path, as_json: bool) -> None:
-    """Print two campaigns on common random numbers."""
+    """Compare two campaigns that were flown with common random numbers, and print the result."""
     result = compare(Store(first), Store(second))
     if as_json:
         print(json.dumps(result.data, indent=1))
@@ -143,7 +143,7 @@ def _printed(table: Table) -> RichTable:
 
 
 def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
-    """Print the figures that differ most, of those that differ by more than flights of one scenario do."""
+    """Print the figures with the largest differences beyond the variation between flights of one scenario."""
     figures = one.summary["figures"], two.summary["figures"]
     try:
         clear = {} if figures[0] == figures[1] else clear_differences(_spreads(one), *figures)
@@ -178,7 +178,7 @@ def _spreads(run: Run) -> dict[str, SampleMean]:
 
 
 def _show_scenarios(console: Console, table: Table | Text, everything: bool) -> None:
-    """A line for each parameter: its path is never broken, and two scenarios may differ in hundreds."""
+    """Print a line for each parameter that differs, its path unbroken; only a few unless ``everything``."""
     if isinstance(table, Text):
         print(table.words)
         return
@@ -213,7 +213,7 @@ def _show_campaigns(result: Comparison) -> None:
 
 
 def _numbers(one: Difference) -> list[str]:
-    """Means, their difference and half its interval, with the decimals that the difference is known to."""
+    """Means, difference and half the difference's interval, with the decimals known of the difference."""
     places = max(1 - floor(log10(one.half_width)), 0) if one.half_width else 3
     form = f",.{places}f" if places <= _MOST_PLACES else ".3e"
     means = (f"{value:{form}}" for value in (one.mean_a, one.mean_b))

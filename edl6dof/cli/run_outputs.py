@@ -14,7 +14,7 @@ from edl6dof.api import functions
 from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
 from edl6dof.config.errors import ConfigError, refusal
 
-EXPORTS = ("csv", "mat", "nc", "oem", "aem")
+EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
 
 
 def replay(
@@ -57,7 +57,7 @@ def replay(
     """
     if tour and page not in ("", "Tour"):
         raise refusal("--tour", f"is the page Tour; --page names {page}")
-    if runs[0].is_dir():  # the plugins of a campaign, before anything that they must join
+    if runs[0].is_dir():  # load a campaign's plugins before the families that they join
         functions.activate(runs[0])
     from edl6dof.replay.viewer import NoFilm, ViewerFailed
 
@@ -135,7 +135,7 @@ def plot(
 
 
 def _is_folder(word: str) -> bool:
-    """True of a folder, and of a path that can be no channel."""
+    """True for a folder, and for a path that cannot be the name of a channel."""
     return "/" in word or Path(word).is_dir()
 
 
@@ -158,7 +158,7 @@ def compare(
     every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
     success, and every figure with a significant difference.
     """
-    with suppress(ConfigError):  # of the first flight, whose neighbours are flown; they must be accepted
+    with suppress(ConfigError):  # plugins of the first flight, whose neighbours are flown
         functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
 
@@ -183,7 +183,12 @@ def export(
         Path | None, argument("FILE", "File to write; inside RUN if not given, - for standard output.")
     ] = None,
     form: Annotated[
-        str, option("FORM", "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude).", "--format")
+        str,
+        option(
+            "FORM",
+            "csv, mat (MATLAB), nc (netCDF), oem or aem (CCSDS orbit, attitude), kml (on a globe).",
+            "--format",
+        ),
     ] = "",
     nesc: Annotated[
         bool, flag("Use the columns and English units of NASA's NESC check cases.", "--nesc")

@@ -145,7 +145,7 @@ def serve(
     def begin() -> Session:
         return Session(scenario, sets or ())
 
-    begin().answer({"do": "step"})  # the scenario is checked, and the loop compiled, before anybody comes
+    begin().answer({"do": "step"})  # check the scenario and compile the loop before the first client
     try:
         server = FlightServer(begin, port)
     except ImportError as error:

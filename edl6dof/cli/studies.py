@@ -27,9 +27,9 @@ from edl6dof.studies.frame import Finding, Grid, Report, Study, to_json, write_s
 
 #: Flights of a study at most, and letters of a line of a table.
 MOST_RUNS, _WIDE = 1_000_000, 80
-#: A number and the space to its unit, or to a percent sign.
+#: A number and the space between it and its unit, or a percent sign.
 _UNIT, _PERCENT = (re.compile(rf"(?<!\S)([+-]?\d[\d.,]*) (?={after})") for after in ("[%a-zA-Z]", "%"))
-#: Spread, as a share of the value, below which flights do not differ.
+#: Spread, as a share of the value, up to which flights count as equal.
 ROUNDING = 1e-6
 
 
@@ -106,7 +106,7 @@ def _table(experiment: str, findings: Iterable[Finding]) -> Table:
 
 
 def _causes(report: Report) -> list[str]:
-    """A sentence for each cause why published figures do not hold."""
+    """A sentence for each cause for which published figures are not reproduced."""
     causes: dict[str, dict[str, None]] = {}
     for finding in report.findings:
         if finding.why:
@@ -173,14 +173,16 @@ def _below_each_other(text: str, width: int) -> str:
 
 
 def _alike(grid: Grid) -> Iterator[list[float]]:
-    """For each column of numbers those that have its decimals: its own, and those of its bounds."""
+    """Yield for each column the numbers that determine its decimals: its own, and those of its bounds."""
     of = [head.removesuffix(" from").removesuffix(" to") for head in grid.heads]
     for name in of[1:]:
         yield [float(row[k]) for row in grid.rows for k in range(1, len(of)) if of[k] == name]
 
 
 def _decimals(column: Sequence[float], like: Sequence[float]) -> list[str]:
-    """Numbers with the decimals that give the median of ``like`` three digits; infinite: flight failed."""
+    """Format numbers with 0 to 2 decimals, so that the median of ``like`` has three significant digits where
+    possible; whole numbers get none.  Infinite becomes 'fails', NaN '-'.
+    """
     sizes = [abs(value) for value in like if isfinite(value) and value]
     whole = all(size.is_integer() for size in sizes)
     digits = 0 if whole else min(max(2 - floor(log10(median(sizes))), 0), 2)
@@ -198,7 +200,7 @@ def _numbers(finding: Finding) -> tuple[str, str]:
 
 
 def _compared(finding: Finding) -> tuple[str | Text, str | Text]:
-    """Say if a requirement is met; of a flown value its difference, and if it is reproduced."""
+    """Return two cells: of a requirement the result and nothing; of a flown value difference and result."""
     style = "bold red" if not finding.ok else "yellow" if finding.why else "green"
     result = Text(finding.result, style=style)
     if finding.bound or finding.published is None:

@@ -68,7 +68,7 @@ Title = Annotated[str, AfterValidator(_title)]
 
 @dataclass(frozen=True)
 class Within:
-    """Annotation of a field: largest magnitude of its numbers, where it has no narrower bound of its own."""
+    """Annotation of a field: largest magnitude of its numbers where the field itself has no bound."""
 
     largest: float
 
@@ -89,7 +89,7 @@ class Within:
         return {**schema, **inner} if schema["type"] in ("nullable", "default", "list", "tuple") else schema
 
     def bounds(self, whole: bool, own: Container[str]) -> dict[str, float]:
-        """Bounds by pydantic name on the sides without ``own`` ones; whole numbers must fit 64 bits."""
+        """Bounds by pydantic name on the sides without bounds in ``own``; whole numbers must fit 64 bits."""
         largest = int(min(self.largest, 2**63 - 1)) if whole else self.largest
         sides = {"ge": (("ge", "gt"), -largest), "le": (("le", "lt"), largest)}
         return {
@@ -115,7 +115,8 @@ class Params(BaseModel):
     def __hash__(self) -> int:
         """Hash the model's own numbers and texts only, which is quick; equality compares the rest.
 
-        A model can then be the key of a cache of what is computed from it; its lists are never changed.
+        A model can then be the key of a cache of results computed from it; lists of a model are never
+        changed.
         """
         return hash((type(self), *(value for value in vars(self).values() if isinstance(value, _PLAIN))))
 
@@ -160,11 +161,11 @@ def param(
     Args:
         default: default value in the unit of the name's suffix, or ``REQUIRED``.
         meaning: one line for the reference table.
-        status: what kind of claim the default value is.
+        status: kind of claim that the default value makes.
         source: report, paper or rule behind the default value.
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).
-        printed: the number of ``source``, where the default is this software's (:class:`PrintedParams`).
+        printed: the number in ``source``, if the default is another one (:class:`PrintedParams`).
         usual: smallest and largest usual value, and the reason.
         **bounds: ``gt``, ``ge``, ``lt``, ``le``, ``min_length``, ``max_length`` as in pydantic.
     """
@@ -194,10 +195,10 @@ def extra_of(info: FieldInfo) -> JsonDict:
 
 
 def unit_vector(value: Vec3) -> Vec3:
-    """Bring a direction to unit length; one that has it already, to rounding, is returned unchanged.
+    """Scale a direction to unit length; a direction of unit length, to rounding, is returned unchanged.
 
     Raises:
-        ValueError: its length is not one within 1e-3.
+        ValueError: the length is not one within 1e-3.
     """
     length = sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2])
     if abs(length - 1.0) > 1e-3:
@@ -223,7 +224,7 @@ def stated(value: Value | None) -> Value:
     """Return a value of an optional field that an earlier check requires.
 
     Raises:
-        ValueError: it is missing.
+        ValueError: the value is missing.
     """
     if value is None:
         raise ValueError("a value is missing that a check before should have asked for")
@@ -234,8 +235,8 @@ class PrintedParams(Params):
     """Parameters of a law in two named sets: as its paper prints them, and as they are flown here.
 
     A field declares both: its default is flown, ``printed`` is the number of the paper; a default of status
-    published is both.  With ``settings: as_printed`` every such field has the number of the paper and another
-    one is refused, so that nothing detuned has the name of the paper.
+    published is both.  With ``settings: as_printed`` every such field has the number of the paper and any
+    other number is refused, so that no detuned law has the name of the paper.
     """
 
     settings: Literal["flown", "as_printed"] = param(
@@ -247,7 +248,7 @@ class PrintedParams(Params):
     @model_validator(mode="before")
     @classmethod
     def _take_printed(cls, given: Any) -> Any:
-        """Give every field its printed number that is not given."""
+        """Give every field its printed number if the file gives none."""
         if isinstance(given, dict) and given.get("settings") == "as_printed":
             return {**cls.printed(), **given}
         return given
@@ -260,7 +261,7 @@ class PrintedParams(Params):
 
     @classmethod
     def decided_by(cls, key: str) -> Iterable[str]:
-        """Choosing the settings withdraws the numbers that they name."""
+        """Fields with a printed number, if ``key`` is ``settings``, which chooses their numbers."""
         return cls.printed() if key == "settings" else ()
 
     @classmethod

@@ -63,7 +63,7 @@ def in_si(model: BaseModel) -> np.void:
 
 
 def duplicate(records: np.ndarray) -> np.ndarray:
-    """A copy of a record array, made of its bytes: field by field it would take fifty times as long."""
+    """Copy a record array by its bytes: a copy field by field would take fifty times as long."""
     return np.ndarray(records.shape, records.dtype, records.view(np.uint8).copy())
 
 

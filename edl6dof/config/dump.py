@@ -52,8 +52,8 @@ def dump_resolved(
             from the file's marks.
         sources: dotted path to the text behind the mark.
 
-    A value without a mark of its own has the mark of its declaration only if it is the declared default: the
-    claim belongs to that number.
+    A value without a mark of its own has the mark of its declaration only if it is the declared default, for
+    which alone the claim holds.
     """
     header = [f"# {line}".rstrip() for text in header_lines for line in (text.splitlines() or [""])]
     body = list(_Writer(status or {}, sources or {}).mapping(instance, "", 0))

@@ -12,7 +12,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake and its place; ``line`` and ``column`` count from 1, 0 where there are none."""
+    """One mistake and its place; ``line`` and ``column`` count from 1; 0 if the place has none."""
 
     file: str
     line: int
@@ -67,13 +67,13 @@ def nearest(name: str, allowed: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
+    """Text ``; did you mean 'entry'?`` if a known name is similar to ``name``, else ``otherwise``."""
     near = nearest(name, known)
     return f"; did you mean {near!r}?" if near else otherwise
 
 
 class UnknownName(KeyError):
-    """An unknown ``name`` of a ``kind`` such as ``channel``; its text suggests a similar one."""
+    """An unknown ``name`` of a ``kind`` such as ``channel``; the message suggests a similar name."""
 
     def __init__(self, kind: str, name: object, known: Iterable[str]):
         super().__init__(name)
@@ -87,11 +87,11 @@ class Named(dict[str, Value]):
     """Values by name.
 
     Raises:
-        UnknownName: on access by a name that it does not have.
+        UnknownName: on access by a name that is not known.
     """
 
     def __init__(self, kind: str, values: Mapping[str, Value]):
-        """``kind``: of the names, such as ``figure``."""
+        """``kind``: word for the names in messages, such as ``figure``."""
         super().__init__(values)
         self._kind = kind
 

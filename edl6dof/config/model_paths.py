@@ -187,11 +187,11 @@ def walk(value: Any, path: str) -> tuple[Keys, Any]:
 
 
 def overridden(model: Model, values: Mapping[Keys, Any]) -> Model:
-    """``model`` with values put at keys.  Every model on the way to one is validated again;
-    the others are shared with the original, as the same objects.
+    """``model`` with values put at keys.  Every model that contains such a value is validated again; the
+    others are shared with the original, as the same objects.
 
     Raises:
-        ValidationError: a value, or what it makes of its model, is not allowed.
+        ValidationError: a value, or the model with that value, is not allowed.
         LookupError: there is nothing to put a value into.
     """
     changes: dict[str | int, Any] = {}
@@ -230,9 +230,9 @@ def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
 
 
 def leaves(model: BaseModel, path: str = "", keys: Keys = ()) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
-    """Every value of a validated model that holds no models, in declaration order.
+    """Yield every value of a validated model without models inside, in declaration order.
 
-    Yields the path with the names of list items, the keys with their indices, the declaration and the value.
+    Each comes as path with the names of list items, keys with their indices, declaration and value.
     """
     for name, info in type(model).model_fields.items():
         yield from _below(getattr(model, name), info, f"{path}.{name}".lstrip("."), (*keys, name))
@@ -267,8 +267,9 @@ class Usual(NamedTuple):
 def usual_range(info: FieldInfo) -> Usual | None:
     """Usual range of a declared parameter, ``None`` if it has none.
 
-    It is declared with its reason (``param(..., usual=(low, high, reason))``), or extends from a tenth to ten
-    times the default.  Parameters without either (directions, places, angles, times of a plan) have none.
+    The range is declared with its reason (``param(..., usual=(low, high, reason))``), or extends from a tenth
+    to ten times the default.  Parameters without either (directions, places, angles, times of a plan) have
+    none.
     """
     if isinstance(given := extra_of(info).get("usual"), list):
         low, high, reason = given
@@ -281,7 +282,7 @@ def usual_range(info: FieldInfo) -> Usual | None:
 
 
 def numbers(value: Any) -> list[float]:
-    """The numbers in a value, without truth values."""
+    """All numbers in a value, booleans left out."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return [float(value)]
     return [number for item in value for number in numbers(item)] if isinstance(value, list | tuple) else []

@@ -1,4 +1,6 @@
-"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, per value."""
+"""Tables of parameters: of a model, one row per value that a file may contain; of a scenario, one row per
+value.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Plugin files: which scenarios name some, found without importing anything heavy, and which are accepted.
+"""Plugin files: those that scenarios name, found without slow imports, and those that the user has accepted.
 
-A plugin runs only if the user has accepted its content (``edl6dof trust``), until that changes.  Accepted
-plugins are listed in a text file of the user, a line ``SHA-256  path`` for each, which may be edited or
-deleted at will.  The hash alone counts: an accepted plugin may move, and another one in its place is not
-accepted.  Paths are escaped, since one with a line break in it could accept another content.
+A plugin runs only if the user has accepted its content (``edl6dof trust``), until the content changes.
+Accepted plugins are listed in a text file of the user, a line ``SHA-256  path`` for each, which may be edited
+or deleted at will.  The hash alone counts: an accepted plugin may move, and another plugin in its place is
+not accepted.  Paths are escaped, since a path with a line break could accept another content.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ def refuse(document: Document, problems: Mapping[str, str]) -> None:
     """Refuse a document that has problems, given by dotted path.
 
     Raises:
-        ConfigError: it has some.
+        ConfigError: there are problems.
     """
     if problems:
         raise ConfigError(document.problem(steps(path), message) for path, message in problems.items())
@@ -76,7 +76,7 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
 
 
 def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[tuple, Slot, Slot | None]:
-    """Path of a pydantic location, which also names union alternatives; its place and its parent's."""
+    """Path of a pydantic location (which also names union alternatives), its place and its parent's."""
     path: list[str | int] = []
     slot, tagged = root_slot(model), False
     parent: Slot | None = None
@@ -183,7 +183,7 @@ def _count(value: Any, slot: Slot) -> str:
 
 
 def _hint(slot: Slot, value: Any) -> str:
-    """Probable meaning of a text in the place of a mapping or a number, as the end of a message."""
+    """End of a message on a text given for a mapping or number: its probable meaning, or empty."""
     if isinstance(value, str) and slot.models and re.match(r"\w+:\S", value):
         return "; a blank is missing behind the colon"
     if not isinstance(value, str) or not {float, int} & set(slot.options):

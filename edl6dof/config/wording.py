@@ -20,7 +20,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> str:
 
 
 def counted(number: int, word: str) -> str:
-    """``1 flight``, ``2 flights``."""
+    """Number and noun, such as ``1 flight`` or ``2 flights``."""
     return f"{number:,} {word}{'' if number == 1 else 's'}"
 
 
@@ -48,7 +48,7 @@ def got(value: Any) -> str:
 
 
 def expected(slot: Slot) -> str:
-    """``a number in kg``, ``a list of 3 numbers in m``, ``one of apollo, numeric``."""
+    """Words for the values that a place allows: ``a number in kg``, ``one of apollo, numeric``."""
     unit = f" in {slot.unit.label}" if slot.unit.label else ""
     return " or ".join(word + unit if "number" in word else word for word in kinds(slot))
 
@@ -59,7 +59,7 @@ def kinds(slot: Slot) -> list[str]:
 
 
 def in_bounds(slot: Slot, context: dict[str, Any] | None = None) -> str:
-    """``> 0 and <= 2.5``, or empty; without the unit's bounds when ``context`` names one of its own."""
+    """Bounds such as ``> 0 and <= 2.5``, or empty; not the unit's if ``context`` names one of the place."""
     own = own_bounds(slot)
     limits = own if context and context.keys() & own.keys() else {**(context or {}), **bounds(slot)}
     text = " and ".join(f"{sign} {_number(limits[name])}" for name, sign in _SIGNS.items() if name in limits)
@@ -71,7 +71,7 @@ def _number(value: float) -> str:
 
 
 def in_length(slot: Slot, context: dict[str, Any] | None = None) -> str:
-    """``at least 2 and at most 32``: the declared length of a list or text, or empty."""
+    """Declared length of a list or text, such as ``at least 2 and at most 32``, or empty."""
     limits = {**(context or {}), **bounds(slot)}
     low, high = limits.get("min_length"), limits.get("max_length")
     if low is not None and low == high:

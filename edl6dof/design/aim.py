@@ -1,12 +1,12 @@
 """The entry point from which a mission reaches another landing site.
 
-Altitude, speed, flight-path angle and azimuth of the entry state stay; its place moves.  The entry flown is
-the planned one (:mod:`~edl6dof.scenario.planned_entry`), with the bank profile of the scenario as it is, so
-that guidance keeps its full authority on both sides; a mission without entry guidance flies in its initial
-attitude.  The first entry point lies as far from the new site as the old one from the old site, in the same
-direction relative to the azimuth.  Then the point moves along and across the track by what the planned end
-misses: on a sphere that does not rotate this one step is exact, so it stands for the Jacobian of Newton's
-method, and the rotation, the flattening and the air leave a few per cent for the next step.
+Altitude, speed, flight-path angle and azimuth of the entry state stay; latitude and longitude change.  The
+entry flown is the planned one (:mod:`~edl6dof.scenario.planned_entry`), with the bank profile of the scenario
+as it is, so that guidance keeps its full authority on both sides; a mission without entry guidance flies in
+its initial attitude.  The first entry point lies as far from the new site as the old one from the old site,
+in the same direction relative to the azimuth.  Then the point moves along and across the track by what the
+planned end misses: on a sphere that does not rotate this one step is exact, so it stands for the Jacobian of
+Newton's method, and the rotation, the flattening and the air leave a few per cent for the next step.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from edl6dof.spatial.elementary import asin, atan2, cos, sin
 #: Accepted distance (m) of the planned end from the wanted one, along and across: bank reversals, which come
 #: at whole guidance cycles, leave some hundred metres across the track.
 CLOSE_M, CLOSE_ASIDE_M = 100.0, 500.0
-#: Most entries flown.
+#: Largest number of entries flown.
 MOST_ENTRIES = 12
 
 
@@ -50,17 +50,17 @@ class Aim:
 
     @property
     def beyond_m(self) -> float:
-        """Distance by which the planned entry ends farther beyond the aim point than at the old site."""
+        """Distance (m) of the planned end beyond the aim point, less that at the old site."""
         return self.ends[1][0] - self.ends[0][0]
 
     @property
     def aside_m(self) -> float:
-        """Distance by which it ends farther right."""
+        """Distance (m) of the planned end right of the aim point, less that at the old site."""
         return self.ends[1][1] - self.ends[0][1]
 
     @property
     def reached(self) -> bool:
-        """True if the planned entry ends at the new site as at the old one."""
+        """True if the planned entry ends relative to the aim point as at the old site."""
         return abs(self.beyond_m) <= CLOSE_M and abs(self.aside_m) <= CLOSE_ASIDE_M
 
     @property
@@ -75,9 +75,10 @@ def site_overrides(
     """Overrides that give a scenario another landing site and, where one is given, another date.
 
     Args:
-        scenario: at its own site.
+        scenario: the scenario at its own site.
         site: geodetic latitude and east longitude, deg.
-        elevation_m: above the areoid; None for that of the relief map, or of the old site without a map.
+        elevation_m: elevation of the site above the areoid; None to take that of the relief map, or of the
+            old site if there is no map.
         epoch_utc: date and time of the initial state; None to keep it.
     """
     if elevation_m is None:
@@ -105,7 +106,7 @@ def aim_entry(name: str, overrides: Sequence[str], site: Sequence[str]) -> Aim:
     """Find the entry point from which a scenario reaches another site as it reaches its own.
 
     Args:
-        name: of the scenario, or its file.
+        name: name of the scenario, or its file.
         overrides: changes of the scenario at its own site.
         site: further overrides, for the new site and its date.
 
@@ -153,7 +154,7 @@ def start_before(end: Place, distance: float, bearing: float) -> Place:
 
 
 def planned_end(scenario: Scenario) -> tuple[float, float]:
-    """Distance (m) of the end of the planned entry beyond the aim point and right of it."""
+    """Distances (m) of the end of the planned entry beyond the aim point and right of it."""
     end = fly_shifted(build_onboard(scenario)[0], start_of(scenario), 0.0)[-1]
     return float(end["beyond"]), float(end["aside"])
 

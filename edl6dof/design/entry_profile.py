@@ -36,9 +36,9 @@ class Plan:
 
     #: speed (m/s) and bank angle (deg) of the profile, ascending in speed, before any shift
     points: tuple[tuple[float, float], ...]
-    altitude_m: float  # above the ellipsoid, where the range is to be met
-    beyond_m: float  # beyond the aim point there
-    aside_m: float  # right of it
+    altitude_m: float  # altitude above the ellipsoid at the final speed or Mach number, where the plan ends
+    beyond_m: float  # distance of the end beyond the aim point
+    aside_m: float  # distance of the end right of the aim point
     load_g0: float  # largest aerodynamic load
     heat_rate_w_cm2: float  # largest stagnation-point heat rate
     dynamic_pressure_pa: float  # largest dynamic pressure
@@ -54,7 +54,7 @@ class Plan:
 
 
 def with_points(onboard: np.ndarray, points: Sequence[tuple[float, float]]) -> np.ndarray:
-    """A copy of an onboard record whose reference is the profile of ``points`` (m/s, deg), not shifted."""
+    """A copy of an onboard record with the profile of ``points`` (m/s, deg) as reference, without a shift."""
     if not 1 <= len(points) <= MAX_POINTS:
         raise ValueError(f"a profile has 1 to {MAX_POINTS} points (got {len(points)})")
     copy = onboard.copy()
@@ -66,7 +66,7 @@ def with_points(onboard: np.ndarray, points: Sequence[tuple[float, float]]) -> n
 
 
 def own_points(record: np.void, lowest: float, highest: float) -> list[tuple[float, float]]:
-    """The profile (m/s, deg) of an onboard record, not shifted, between two speeds."""
+    """Points (m/s, deg) of the profile of an onboard record between two speeds (m/s), without the shift."""
     profile = record["guidance"]["entry"]["reference_bank"]
     points = profile["points"][: int(profile["n_points"])]
     speeds = np.unique(np.clip(points["at"], lowest, highest))
@@ -77,7 +77,7 @@ def own_points(record: np.void, lowest: float, highest: float) -> list[tuple[flo
 def figures(
     onboard: np.ndarray, start: Start, points: Sequence[tuple[float, float]], shift: float = 0.0
 ) -> Plan:
-    """Fly a profile as the plan is flown, and once more for each of the three errors."""
+    """Fly a profile as the plan is flown, and once with each error: density, lift-to-drag, entry angle."""
     own = with_points(onboard, points)
     rows = fly_shifted(own[0], start, shift)
     end = rows[-1]
@@ -123,7 +123,7 @@ def _heat_rate(record: np.void, rows: np.ndarray) -> float:
 
 
 def _reserve(record: np.void, points: Sequence[tuple[float, float]], shift: float) -> float:
-    """Least distance (deg) of the shifted bank angles of the points from the limits; negative beyond them."""
+    """Least distance (deg) of the shifted bank angles of the points from the limits; negative outside."""
     entry = record["guidance"]["entry"]
     banks = _shifted(np.array([bank for _, bank in points]), shift)
     low, high = degrees(entry["bank_min"]), degrees(entry["bank_max"])
@@ -146,7 +146,7 @@ Goal = Literal["parachute_altitude", "dispersion"]
 
 #: Bank angle by which a slope is measured either way, and the trust region: first and last, deg.
 NUDGE_DEG, FIRST_STEP_DEG, LAST_STEP_DEG = 3.0, 12.0, 0.5
-#: Linear programs at most.
+#: Largest number of linear programs.
 PROGRAMS = 25
 #: Scales of altitude and miss, m, and penalty of a limit that is exceeded by its own size.
 ALTITUDE_SCALE, MISS_SCALE, PENALTY = 1e3, 1e4, 20.0
@@ -170,7 +170,7 @@ class Limits:
     aside_m: float
 
     def slack(self, plan: Plan) -> dict[str, float]:
-        """Margin to each limit, as a share of it; below zero where it is broken."""
+        """Margin to each limit as a share of the limit; negative if the plan exceeds it."""
         return {
             "load": 1.0 - plan.load_g0 / self.load_g0,
             "heat rate": 1.0 - plan.heat_rate_w_cm2 / self.heat_rate_w_cm2,
@@ -183,7 +183,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Design:
-    """The plan of the scenario, the designed one, and the limits."""
+    """The plan of the scenario, the designed plan, and the limits."""
 
     before: Plan  # the plan of the scenario
     planned_deg: tuple[float, ...]  # its bank angles at the speeds of the designed one
@@ -193,7 +193,7 @@ class Design:
 
     @property
     def broken(self) -> list[str]:
-        """Limits that the designed plan breaks, and the aim point if it is missed."""
+        """Limits that the designed plan exceeds, and the aim point if the plan misses it."""
         missed = ["aim point"] if abs(self.after.beyond_m) > CLOSE else []
         return [name for name, left in self.limits.slack(self.after).items() if left < -1e-3] + missed
 
@@ -248,10 +248,10 @@ def _optimised(
     goal: Goal,
     limits: Limits,
 ) -> np.ndarray:
-    """Bank angles (deg), from ``first`` on, that no linear program improves."""
+    """Improve bank angles (deg), beginning with ``first``, until no linear program improves them further."""
 
     def terms(banks: np.ndarray) -> np.ndarray:
-        """Objective, range, slacks."""
+        """Cost, range error and margins to the limits for some bank angles (deg)."""
         plan = plan_of(banks)
         high = -plan.altitude_m / ALTITUDE_SCALE
         cost = high if goal == "parachute_altitude" else plan.dispersion_m / MISS_SCALE
@@ -287,7 +287,7 @@ def _slopes(terms: Callable[[np.ndarray], np.ndarray], banks: np.ndarray) -> np.
 
 
 def _program(here: np.ndarray, slopes: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Change of the bank angles (deg) between ``low`` and ``high`` with the least linear model of the merit.
+    """Change of bank angles (deg) between ``low`` and ``high`` that minimises the linear model of the merit.
 
     Unknowns: the changes, the range beyond and short of the aim point, and the excess of each limit, each at
     least zero.

@@ -26,7 +26,7 @@ B_OF_S = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def powered_rows(flight: Flight) -> np.ndarray:
-    """Rows of telemetry from ignition to the begin of hover, or to the end; none without ignition."""
+    """Rows of telemetry from ignition to the beginning of hover, or to the end; none without ignition."""
     after = [event["t_s"] for event in flight.events if event.get("milestone") == "ignition"]
     rows = np.flatnonzero(flight.during(POWERED_DECELERATION))
     hover = np.flatnonzero(flight.during(HOVER_IMAGING))
@@ -36,9 +36,9 @@ def powered_rows(flight: Flight) -> np.ndarray:
 
 
 def states_of(flight: Flight, rows: np.ndarray) -> np.ndarray:
-    """True states of some rows, shape (n, 14), relative to the target of guidance."""
+    """True states of some rows relative to the target, shape (n, 14), as :class:`RigidLanding` has them."""
     of, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
-    # the target lies where navigation believed it when it was chosen
+    # guidance chose the target in navigated axes, displaced by the navigation error of that time
     east, north = (
         of[f"truth.site_{axis}_m"][rows] - target["point_L"][i] + of[f"nav.error_{axis}_m"][rows[0]]
         for i, axis in enumerate(("east", "north"))
@@ -110,7 +110,7 @@ def _groups(scenario: Scenario) -> list[int]:
 
 def pure_torque(vehicle: np.void, centre: np.ndarray, groups: list[int]) -> np.ndarray:
     """Torque about each axis of B (N m, shape (3,)) that thrusters of some groups can give in either sense,
-    about all axes at once, without lateral force: that of each axis alone, reduced by an equal share.
+    about all axes at once, without lateral force: that of each axis alone, all reduced by one factor.
     """
     count = int(vehicle["n_thrusters"])
     matrix = np.zeros((MAX_THRUSTERS, 6))
@@ -121,7 +121,7 @@ def pure_torque(vehicle: np.void, centre: np.ndarray, groups: list[int]) -> np.n
 
 
 def _most(jets: np.ndarray, torque: np.ndarray) -> float:
-    """Return the multiple of ``torque`` that ``jets``, shape (n, 6), can give without lateral force."""
+    """Return the largest multiple of ``torque`` that ``jets``, shape (n, 6), give without lateral force."""
     if not len(jets):
         return 0.0
     effect = jets[:, 1:].T

@@ -2,10 +2,9 @@
 figures of a flown or designed landing.
 
 Position and velocity are east, north and up from the landing point.  The attitude turns the body axes S into
-these; those of a standing lander are east, north and up except for its heading, and the third is the thrust
-axis.  State of a vehicle: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S
-(3); its controls: thrust, torque (3).
-All functions take many at once, in the last axis but one.
+east, north and up; the axes S of a standing lander differ from these by its heading only, and the third is
+the thrust axis.  State: mass, position (3), velocity (3), quaternion (4, scalar first), body rates in S (3);
+controls: thrust, torque (3).  All functions take many states at once, along any leading axes.
 
 Gravity is constant, there is no air, and torque costs no propellant.
 Source: Szmuk & Acikmese 2018, "Successive convexification for 6-DoF Mars rocket powered landing with free
@@ -31,8 +30,8 @@ class RigidLanding:
     start: np.ndarray  # state, shape (14,)
     dry_mass: float  # least mass at the end, kg
     thrust: tuple[float, float]  # least and largest throttled thrust, N
-    full_thrust: float  # of the start, N
-    full_time: float  # shortest time of it, s; 0: the engine is throttled from the start
+    full_thrust: float  # full thrust at the start, N
+    full_time: float  # shortest time at full thrust, s; 0: the engine is throttled from the start
     throttled_time: float  # shortest time in the throttle band, s
     torque: np.ndarray  # largest of the thrusters about each axis of S, shape (3,), N m
     exhaust_speed: float  # thrust over mass flow, m/s
@@ -49,7 +48,7 @@ class RigidLanding:
 
     @property
     def starts_full(self) -> bool:
-        """True if the engine begins at full level."""
+        """True if the engine begins at full thrust."""
         return self.full_time > 0.0
 
 
@@ -101,21 +100,21 @@ def derivatives(landing: RigidLanding, x: np.ndarray, u: np.ndarray) -> tuple[np
 
 
 def _cross(v: np.ndarray) -> np.ndarray:
-    """The matrix, shape (..., 3, 3), of the cross product of vectors with what it is applied to."""
+    """Matrices, shape (..., 3, 3), that multiply a vector to give the cross product of ``v`` with it."""
     x, y, z = np.moveaxis(v, -1, 0)
     nil = np.zeros_like(x)
     return _matrix([[nil, -z, y], [z, nil, -x], [-y, x, nil]])
 
 
 def _turning(rate: np.ndarray) -> np.ndarray:
-    """Time derivative of a quaternion as a matrix, shape (..., 4, 4), that is applied to it."""
+    """Matrices, shape (..., 4, 4), that multiply a quaternion to give its time derivative."""
     x, y, z = 0.5 * np.moveaxis(rate, -1, 0)
     nil = np.zeros_like(x)
     return _matrix([[nil, -x, -y, -z], [x, nil, z, -y], [y, -z, nil, x], [z, y, -x, nil]])
 
 
 def _attitude_by_rate(q: np.ndarray) -> np.ndarray:
-    """Derivative of the same by the rate, shape (..., 4, 3)."""
+    """Derivative of the time derivative of a quaternion by the body rate, shape (..., 4, 3)."""
     w, x, y, z = 0.5 * np.moveaxis(q, -1, 0)
     return _matrix([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])
 
@@ -127,7 +126,7 @@ def _axis_by_attitude(q: np.ndarray) -> np.ndarray:
 
 
 def _matrix(rows: list[list[np.ndarray]]) -> np.ndarray:
-    """Matrices of their elements."""
+    """Matrices, in the last two axes, from rows of elements."""
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
@@ -141,8 +140,8 @@ class LandingFigures:
     rate_deg_s: float  # largest body rate
     slope_m: float  # least height over the glide slope
     miss_m: float  # distance from the landing point at the end
-    speed_m_s: float  # at the end
-    end_tilt_deg: float  # at the end
+    speed_m_s: float  # speed at the end
+    end_tilt_deg: float  # tilt at the end
 
 
 def figures_of(landing: RigidLanding, t: np.ndarray, x: np.ndarray) -> LandingFigures:

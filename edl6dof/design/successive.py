@@ -1,11 +1,10 @@
 """Successive convexification: a sequence of conic programs, each about the solution of the previous one.
 
-A flight is known by nodes: states and controls at the ends of intervals, controls linear between them
+A flight is given by nodes: states and controls at the ends of intervals; controls are linear between nodes
 (first-order hold).  The intervals of the start at full level have one length, those of the throttle band
 another; both are free.  The motion is linearised about a flight, and a conic program finds the landing near
-it of least cost.  Virtual control makes the linearised motion feasible, at a price of each unit of it; a
-trust region is a price on the square of changes.  All unknowns of a program are in units of the problem's own
-size.
+it of least cost.  Virtual control makes the linearised motion feasible, at a price per unit; a trust region
+is a price on the square of changes.  All unknowns of a program are in units of the problem's own size.
 
 The cost of changes increases while the changes do not decrease, and is reset where they stop, until a reset
 brings no further gain.  If no landing within the limits exists, virtual control remains.
@@ -41,7 +40,7 @@ from edl6dof.design.rigid_landing import (
 
 #: Intervals, and those of them at full level.
 INTERVALS, FULL_INTERVALS = 30, 4
-#: Programs at most.
+#: Largest number of conic programs.
 PROGRAMS = 150
 #: Price of change at first, and what it is multiplied by where a change is not less than the one before, and
 #: where a step is refused, whose true motion misses the next node by more than the size of the problem.
@@ -49,17 +48,17 @@ FIRST_TRUST, FACTOR, REFUSED, WILD = 0.02, 1.5, 4.0, 1.0
 #: Largest defect (units of the problem), and difference between the costs that two programs promise (masses
 #: at the start), at which it has converged.
 DEFECT, GAIN = 5e-7, 2e-6
-#: What the first price of change has to gain once more for it to go on, masses at the start.
+#: Least gain of a round from the first price of change for another round, masses at the start.
 AGAIN = 1e-4
 #: Runge-Kutta steps of an interval.
 STEPS = 8
-#: Steps after which limits are checked; the last is the end.
+#: Steps of an interval after which limits are checked; the last is its end.
 CHECKED = (2, 4, 6, 8)
 
 
 @dataclass(frozen=True)
 class Nodes:
-    """A flight by its nodes."""
+    """A flight, given by its nodes."""
 
     x: np.ndarray  # states, shape (n + 1, 14)
     #: controls, shape (n + 1, 4); the thrust of a node where two parts meet is that of the second
@@ -74,7 +73,7 @@ class Nodes:
 
     @property
     def shares(self) -> np.ndarray:
-        """Length of each interval over its part's, shape (n,)."""
+        """Length of each interval as a share of the duration of its part, shape (n,)."""
         return 1.0 / np.bincount(self.parts)[self.parts]
 
     @property
@@ -88,7 +87,7 @@ class Nodes:
         return np.append(0.0, np.cumsum(self.lengths))
 
     def ends(self, landing: RigidLanding) -> tuple[np.ndarray, np.ndarray]:
-        """Controls where each interval begins and ends, shape (n, 4)."""
+        """Controls at the beginning and at the end of each interval, each of shape (n, 4)."""
         first, last = self.u[:-1].copy(), self.u[1:].copy()
         first[: self.full, THRUST] = last[: self.full, THRUST] = landing.full_thrust
         return first, last
@@ -96,7 +95,7 @@ class Nodes:
 
 @dataclass(frozen=True)
 class Linear:
-    """States at ``CHECKED`` points of the intervals, the last of them the end, and their derivatives."""
+    """States at the ``CHECKED`` points of each interval, the last at its end, and their derivatives."""
 
     x: np.ndarray  # shape (points, n, 14)
     #: shape (points, n, 14, 23): by the state at the beginning (14), the controls there (4) and at the
@@ -176,7 +175,7 @@ class Scales:
 
 
 def scales_of(landing: RigidLanding, nodes: Nodes) -> Scales:
-    """Units in which a landing of about this duration is of the size of one."""
+    """Units in which the numbers of a landing of about this duration are about one."""
     whole, distance = float(np.sum(nodes.durations)), max(float(np.linalg.norm(landing.start[POSITION])), 1.0)
     speed = max(float(np.linalg.norm(landing.start[4:7])), distance / whole)
     x = np.repeat([landing.start[0], distance, speed, 1.0, landing.rate], [1, 3, 3, 4, 3])
@@ -185,7 +184,7 @@ def scales_of(landing: RigidLanding, nodes: Nodes) -> Scales:
 
 @dataclass(frozen=True)
 class Step:
-    """A flight, its promised cost, and the largest change, both in units of the problem."""
+    """A flight that a program found, its cost by the linear model, its largest change, in problem units."""
 
     nodes: Nodes
     promised: float
@@ -203,7 +202,7 @@ def solve_step(landing: RigidLanding, nodes: Nodes, linear: Linear, trust: float
         trust: price of change.
 
     Returns:
-        ``None`` where the solver finds none.
+        the flight; ``None`` if the solver finds none.
     """
     import cvxpy as cp  # the optional extra "design"
 
@@ -251,7 +250,7 @@ def _reached(nodes: Nodes, linear: Linear, scales: Scales, unknowns: list[Any]) 
 
 
 def _ends(landing: RigidLanding, scales: Scales, x: Any) -> list[Any]:
-    """Constrain the ends: the given state, and rest at the origin, upright, with the initial heading."""
+    """Constrain both ends: the given state; rest at the origin, upright, with the initial heading."""
     rest = [1, 2, 3, 4, 5, 6, 8, 9, 11, 12, 13]
     heading = landing.start[10] * x[-1, 7] == landing.start[7] * x[-1, 10]
     dry = x[-1, 0] >= landing.dry_mass / scales.x[0]
@@ -287,19 +286,19 @@ def _path_limits(landing: RigidLanding, scales: Scales, states: Any) -> list[Any
 
 @dataclass(frozen=True)
 class Converged:
-    """Result of successive convexification."""
+    """Result of successive convexification: the last flight, and how it was found."""
 
     nodes: Nodes  # the last flight
     fuel: float  # kg
     #: largest difference between the end of an interval and the node there, in units of the problem
     defect: float
     programs: int  # convex programs solved
-    seconds: float  # of computing
+    seconds: float  # time of computing
     landed: bool  # whether it is a flight: no defect, and no better one near it
 
 
 def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
-    """The landing of least fuel."""
+    """Find the landing of least fuel."""
     began = time.perf_counter()
     nodes = first_guess(landing, intervals)
     linear, trust, settled, programs = linearise(landing, nodes), FIRST_TRUST, False, 0
@@ -316,7 +315,7 @@ def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
         if larger:
             trust *= FACTOR
         if gain < GAIN and _defect(landing, nodes, linear) < DEFECT:
-            # a price of change that has grown may hold it where it is
+            # a price of change that has grown may keep the flight from a better one
             settled = promised > best - AGAIN
             if promised < best:
                 best, landed = promised, (nodes, linear)
@@ -334,7 +333,7 @@ def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:
 
 def first_guess(landing: RigidLanding, intervals: int) -> Nodes:
     """A straight line to the landing point in the time of a constant deceleration, upright, thrust against
-    gravity; the start at full level takes its shortest time.
+    gravity; the part at full thrust takes its shortest time.
     """
     height, descent = landing.start[3], max(-landing.start[6], 10.0)
     whole = max(2.0 * height / descent, 2.0 * (landing.full_time + landing.throttled_time))
@@ -352,5 +351,5 @@ def first_guess(landing: RigidLanding, intervals: int) -> Nodes:
 
 
 def _defect(landing: RigidLanding, nodes: Nodes, linear: Linear) -> float:
-    """Largest difference between the end of an interval and the node there, in units of the problem."""
+    """Largest difference between the flown end of an interval and the next node, in units of the problem."""
     return float(np.max(np.abs(linear.x[-1] - nodes.x[1:]) / scales_of(landing, nodes).x))

@@ -49,7 +49,7 @@ class Configuration(NamedTuple):
 
 
 def configurations(vehicle: VehicleParams) -> list[Configuration]:
-    """Return the authority at entry and, of a vehicle with an aeroshell, without it and the parachutes."""
+    """Return the authority at entry and, if there is an aeroshell, after it and the parachutes are gone."""
     attached = {"at entry": tuple(vehicle.parts)}
     covers = [k for k, part in enumerate(vehicle.parts) if part.shape != "none"]
     if covers:
@@ -100,8 +100,8 @@ def authority(matrix: np.ndarray) -> Authority:
 
 
 def largest(wanted: np.ndarray, unwanted: np.ndarray) -> float:
-    """Return the largest ``wanted @ u`` over duties 0 <= u <= 1 with ``unwanted @ u = 0``; rows of the latter
-    are scaled to one, so that the solver's tolerance is a share of a thruster.
+    """Return the largest ``wanted @ u`` over duties 0 <= u <= 1 with ``unwanted @ u = 0``; rows of
+    ``unwanted`` are scaled to one, so that the solver's tolerance is a share of a thruster.
     """
     scale = np.abs(unwanted).max(axis=1, keepdims=True)
     rows = (unwanted / np.where(scale > 0.0, scale, 1.0))[scale[:, 0] > 0.0]

@@ -31,18 +31,18 @@ from edl6dof.spatial.frames import ned_to_fixed
 from edl6dof.spatial.table_index import cell, held_cell, wrapped
 from edl6dof.spatial.vector import dot, norm, put3
 
-#: Largest difference (m) of a semi-axis of the ellipsoid that a map counts from and of the planet's.
+#: Largest difference (m) between a semi-axis of the ellipsoid of a map and that of the planet.
 _SAME_ELLIPSOID = 10.0
 _NONE = np.zeros(1, HEIGHT_MAP)[0]
 
 
 def areoid_path(name: str) -> Path:
-    """The map that a name means: one of edl6dof/data/areoid, or an absolute path."""
+    """Path of a map by its name: a file of edl6dof/data/areoid, or an absolute path."""
     return DATA / "areoid" / f"{name.removesuffix('.npy')}.npy"
 
 
 def areoid_file(planet: PlanetParams) -> MapFile | None:
-    """The map of the planet's areoid as it is now; ``None``: its areoid is its ellipsoid.
+    """Map file of the planet's areoid as it is on disk; ``None``: the areoid is the ellipsoid.
 
     Raises:
         OSError: there is no such map.
@@ -65,10 +65,10 @@ def areoid_height(planet: PlanetParams, latitude: float, longitude: float) -> fl
 
 
 def require_areoid_of(planet: PlanetParams) -> None:
-    """Refuse a map of the areoid of another planet, above another ellipsoid, or that is none.
+    """Check that the areoid map of a planet can be read, and belongs to this planet and its ellipsoid.
 
     Raises:
-        OSError, ValueError: what is wrong.
+        OSError, ValueError: it cannot be read, or does not belong to them.
     """
     file = areoid_file(planet)
     if file is None:
@@ -118,15 +118,15 @@ def areoid_at(grid, lat, lon):
 
 @kernel
 def lay_areoid(grid, place, lat, lon, r_F, plane):
-    """Lay the plane of the areoid's height through a place: ``height = plane[:3] . r_F + plane[3]`` (m).
+    """Write the plane of the areoid's height at a place: ``height = plane[:3] . r_F + plane[3]`` (m).
 
-    Around the place that is the map up to its bends: a vehicle at 6 km/s leaves it by millimetres at most
-    from one cycle of the flight software to the next.
+    The plane follows the map around the place: within a cycle of the flight software, a vehicle at 6 km/s
+    meets errors of millimetres at most.
 
     Args:
         grid: ``HEIGHT_MAP``; of radius 0 where the areoid is the ellipsoid.
         place: sine and cosine of geodetic latitude and of longitude.
-        lat, lon: the same as angles, rad.
+        lat, lon: geodetic latitude and longitude, rad.
         r_F: the place, m.
         plane: written, shape (4,).
 

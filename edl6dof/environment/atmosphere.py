@@ -36,9 +36,9 @@ _LEAST = 0.05
 
 
 class PerturbationParams(Params):
-    """Random density profile of a case: sigma of the table times a Gauss-Markov sequence of altitude."""
+    """Random density profile of a case: sigma of the table times a Gauss-Markov sequence in altitude."""
 
-    enabled: bool = param(False, "whether density is perturbed")
+    enabled: bool = param(False, "true: density is perturbed")
     sigma_scale: float = param(1.0, "factor on the sigma of the table", ge=0.0, le=5.0)
     sigma: float = param(0.02, "relative sigma when the table has none", status="estimate", ge=0.0, le=0.5)
     correlation_length_m: float = param(
@@ -47,12 +47,12 @@ class PerturbationParams(Params):
 
 
 class AtmosphereParams(AtmosphereChoice):
-    """Atmosphere of the truth."""
+    """True atmosphere."""
 
     table: str = param(
         "",
         (
-            "one of profiles by its name, csv in edl6dof/data/atmosphere, or an absolute path; empty for "
+            "name of one of profiles, csv in edl6dof/data/atmosphere, or an absolute path; empty for "
             "none. Also the source of winds and of density sigma"
         ),
         record=False,
@@ -66,8 +66,8 @@ class AtmosphereParams(AtmosphereChoice):
     bottom_m: float = param(
         -8000.0,
         (
-            "height above the areoid down to which the table is extended, and the flight computer knows the "
-            "air at least"
+            "height above the areoid down to which the table is extended, and the air model of the flight "
+            "computer reaches"
         ),
         record=False,
         ge=-50e3,
@@ -75,7 +75,7 @@ class AtmosphereParams(AtmosphereChoice):
     )
     top_m: float = param(
         150e3,
-        "height above the areoid up to which the flight computer knows the air at least",
+        "height above the areoid up to which the air model of the flight computer reaches",
         record=False,
         gt=0.0,
         le=1e7,
@@ -105,13 +105,15 @@ class AtmosphereParams(AtmosphereChoice):
 
     @property
     def undispersed(self) -> Self:
-        """Parameters known before the flight: no random profile, and the mean climate of the place."""
+        """Parameters without dispersions, as known before the flight: no random profile, and the mean
+        climate.
+        """
         quiet = self.perturbation.model_copy(update={"enabled": False})
         return self.model_copy(update={"perturbation": quiet, "seasonal": self.seasonal.undispersed})
 
 
-#: The parameters, and of this case the relative density change (cubics between the rows of the shared table)
-#: and the column of model seasonal.
+#: The parameters; of this case, the relative density change (cubics between the rows of the shared table) and
+#: the column of model seasonal.
 ATMOSPHERE = extended(AtmosphereParams, density_change=("f8", (MAX_ROWS - 1, 4)), column=COLUMN)
 
 
@@ -132,9 +134,9 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | No
     """Gather the inputs of the table that all cases share; model seasonal needs ``place``.
 
     Raises:
-        Inconsistent: there is no climate, or no moment.
-        ValueError: there must be a table and none is named.
-        OSError: its file cannot be read.
+        Inconsistent: model seasonal lacks the climate of the planet or the epoch.
+        ValueError: the model needs a table and none is named.
+        OSError: the file of the table cannot be read.
     """
     if params.model in ("table", "seasonal") and not params.table:
         raise ValueError(f"atmosphere model {params.model} needs a table file")

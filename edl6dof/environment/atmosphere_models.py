@@ -1,7 +1,7 @@
 """Models of the air against altitude that a scenario may name as ``atmosphere.model``.
 
 Source: exponential: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), eq. 3.9.  Table:
-that of the table; slopes: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304.  Seasonal:
+the source of its csv; slopes: Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300-304.  Seasonal:
 Withers, Space Science Reviews 170 (2012) 837-860 (pressure); Allison and McEwen, Planetary and Space Science
 48 (2000) 215-235 (season and hour); hydrostatics, see :mod:`edl6dof.environment.hydrostatic`.  us76: U.S.
 Standard Atmosphere, 1976, NOAA/NASA/USAF, table 4 and eq. 18, 23, 33a, 33b, 42, 50.
@@ -54,7 +54,7 @@ class ExponentialParams(Params):
     )
     temperature_k: float = param(
         REQUIRED,
-        "temperature; also that of model none, for a finite Mach number",
+        "temperature; model none has it too, for a finite Mach number",
         gt=0.0,
         usual=(30, 800, "Pluto to Venus"),
     )
@@ -103,7 +103,7 @@ _TEMPERATURE, _PRESSURE = _layers()
 
 
 class Us76Params(Params):
-    """U.S. Standard Atmosphere 1976, with a gas of its own."""
+    """U.S. Standard Atmosphere 1976, with its own gas constants."""
 
 
 @kernel
@@ -148,7 +148,7 @@ NONE = Member("none", NoneParams, {"air": no_air}, "null member")
 class TemperatureWavesParams(Params):
     """Random temperature profile of a case: a Gauss-Markov sequence of altitude."""
 
-    enabled: bool = param(False, "whether temperature is perturbed", record=False)
+    enabled: bool = param(False, "true: temperature is perturbed", record=False)
     sigma_k: float = param(3.0, "sigma of the temperature", status="estimate", record=False, ge=0.0, le=50.0)
     correlation_length_m: float = param(
         8000.0,
@@ -164,7 +164,7 @@ class SeasonalParams(Params):
 
     lapse_rate_k_m: float = param(
         2.5e-3,
-        "by which the air gets warmer downwards below the table",
+        "rise of temperature per metre downwards, below the table",
         status="recalled",
         source="mean of the lower atmosphere of Mars, Zurek et al. 1992",
         record=False,
@@ -173,7 +173,7 @@ class SeasonalParams(Params):
     )
     diurnal_amplitude_k: float = param(
         12.0,
-        "how much warmer than in the daily mean the air near the ground is at its warmest",
+        "largest excess of the temperature near the ground over its daily mean",
         status="estimate",
         source="of the lowest kilometre, Smith et al. 2006 (Mini-TES)",
         record=False,
@@ -181,21 +181,25 @@ class SeasonalParams(Params):
         le=80.0,
     )
     diurnal_depth_m: float = param(
-        2000.0, "height above ground over which that falls by e", status="estimate", record=False, gt=0.0
+        2000.0,
+        "height above ground over which this excess falls by e",
+        status="estimate",
+        record=False,
+        gt=0.0,
     )
     warmest_hour: float = param(
         15.0, "local true solar time of the warmest air, h", status="estimate", record=False, ge=0.0, le=24.0
     )
     surface_pressure_factor: float = param(
         1.0,
-        "true pressure at the ground over that of the climate; the flight computer knows the climate",
+        "true pressure at the ground over that of the climate, which the flight computer uses",
         record=False,
         gt=0.0,
         le=10.0,
     )
     temperature_bias_k: float = param(
         0.0,
-        "by which the true air is warmer than the climate at every height; not known on board",
+        "excess of the true temperature over the climate at every height; not known on board",
         record=False,
         ge=-100.0,
         le=100.0,
@@ -207,15 +211,15 @@ class SeasonalParams(Params):
 
     @property
     def undispersed(self) -> SeasonalParams:
-        """The climate itself."""
+        """Parameters without dispersions: the mean climate."""
         fields = ("surface_pressure_factor", "temperature_bias_k", "temperature_perturbation")
         return SeasonalParams(**{name: value for name, value in self if name not in fields})
 
 
 @kernel
 def seasonal_air(atm, gas, table, alt):
-    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid; beyond
-    the table it is isothermal.
+    """Density kg/m3, pressure Pa, temperature K and speed of sound m/s at ``alt``, m above the areoid;
+    isothermal beyond the table.
     """
     row, t = row_at(table, alt)
     inside = held(t)
@@ -240,7 +244,7 @@ SEASONAL = Member(
 ATMOSPHERES = Family("atmosphere", (TABLE, EXPONENTIAL, US76, NONE, SEASONAL))
 
 AtmosphereChoice = ATMOSPHERES.params_model(
-    "AtmosphereChoice", "model", "table", "Which model of the air.", bare=True
+    "AtmosphereChoice", "model", "table", "Model of the air.", bare=True
 )
 
 #: ``(index, atmosphere, gas, table, altitude)`` to density kg/m3, pressure Pa, temperature K and speed of

@@ -27,7 +27,7 @@ from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
 from edl6dof.spatial.table_index import cell
 
-#: Beginning of the heading, by which a column is known, and factor to SI; other columns are left unread.
+#: Prefix of the heading of each column, and factor to SI; other columns are ignored.
 _COLUMNS = {
     "altitude": ("h_", 1e3),
     "density": ("rho", 1.0),
@@ -37,7 +37,7 @@ _COLUMNS = {
     "north": ("NWind", 1.0),
     "sigma": ("sigma", 0.01),
 }
-#: Wrong cells of a file that are named one by one.
+#: Largest number of wrong cells of a file that a message lists.
 _NAMED = 5
 
 
@@ -53,13 +53,13 @@ class Profile(NamedTuple):
 
 
 def profile_path(name: str) -> Path:
-    """The csv that a name means: one of edl6dof/data/atmosphere, or an absolute path."""
+    """Path of a csv by its name: a file of edl6dof/data/atmosphere, or an absolute path."""
     return DATA / "atmosphere" / name
 
 
 @lru_cache(maxsize=32)
 def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
-    """The profile of a csv; where it gives pressure in place of density, that is p / (R T).
+    """Read the profile of a csv; pressure in place of density is converted by p / (R T).
 
     Args:
         name: of the file, for messages.
@@ -67,8 +67,8 @@ def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
         gas_constant: R, J/(kg K).
 
     Raises:
-        ValueError: it is no such table; every wrong cell, row and missing column is named.
-        LookupError: it is empty.
+        ValueError: the csv is no atmosphere table; every wrong cell, row and missing column is named.
+        LookupError: the csv is empty.
     """
     columns = _columns(name, content.decode())
     found = {
@@ -126,7 +126,7 @@ def _columns(name: str, text: str) -> dict[str, np.ndarray]:
 
 
 def _number(cell: str) -> float:
-    """The number in a cell; not a number where there is none."""
+    """Number in a cell; NaN if there is none."""
     try:
         return float(cell)
     except ValueError:
@@ -156,7 +156,7 @@ def row_at(table, alt):
 
 
 class AirInputs(NamedTuple):
-    """Inputs of the table."""
+    """Inputs of :func:`build_table`."""
 
     name: str  # of the csv; empty for none
     content: bytes  # of the csv
@@ -170,15 +170,14 @@ class AirInputs(NamedTuple):
 
 @lru_cache(maxsize=8)
 def build_table(inputs: AirInputs) -> np.ndarray:
-    """The table, shape (1,), dtype ``ATMOSPHERE_TABLE``, read-only; without a csv only the grid
-    and sigma count.
+    """Build the table, shape (1,), dtype ``ATMOSPHERE_TABLE``, read-only; without a csv only grid and sigma.
 
     Below the file the air is isothermal and hydrostatic, p = rho R T and dp/dh = -rho g, so that ln rho falls
     by g / (R T) per metre; this is also the shape of the COSPAR reference below 0 km.  Winds and sigma keep
     their lowest value [E].  Beyond both ends the kernels continue ln density, the rest is held.
 
     Raises:
-        ValueError: the csv is no such table.
+        ValueError: the csv is no atmosphere table.
     """
     name, content, bottom_m, top_m, gas_constant, gravity, sigma, climate = inputs
     if not name:

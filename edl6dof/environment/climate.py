@@ -29,9 +29,9 @@ class CalendarParams(Params):
     """Motion of a planet about the sun and itself; days of 86,400 s since J2000 (terrestrial time)."""
 
     mean_anomaly_deg: float = param(REQUIRED, "mean anomaly at J2000", record=False)
-    mean_anomaly_rate_deg_day: float = param(REQUIRED, "its growth", record=False, gt=0.0)
+    mean_anomaly_rate_deg_day: float = param(REQUIRED, "growth of the mean anomaly", record=False, gt=0.0)
     mean_sun_deg: float = param(REQUIRED, "right ascension of the fictitious mean sun at J2000", record=False)
-    mean_sun_rate_deg_day: float = param(REQUIRED, "its growth", record=False, gt=0.0)
+    mean_sun_rate_deg_day: float = param(REQUIRED, "growth of this right ascension", record=False, gt=0.0)
     centre_deg: list[float] = param(
         REQUIRED,
         "equation of the centre: amplitudes of the sines of 1, 2, ... times the mean anomaly",
@@ -39,10 +39,10 @@ class CalendarParams(Params):
         min_length=1,
         max_length=10,
     )
-    centre_growth_deg_day: float = param(0.0, "growth of the first of them", record=False)
+    centre_growth_deg_day: float = param(0.0, "growth of the first amplitude of centre_deg", record=False)
     perturbations: list[Vec3] = param(
         None,
-        "what other planets add: amplitude (deg), period (Julian years) and phase (deg) of cosines",
+        "perturbations by other planets: amplitude (deg), period (Julian years), phase (deg) of cosines",
         record=False,
         factory=list,
         max_length=50,
@@ -62,10 +62,10 @@ class CalendarParams(Params):
 
 
 def utc(text: str) -> datetime:
-    """The moment that a date and time means; without a zone it is UTC.
+    """Parse a date and time; without a zone it is UTC.
 
     Raises:
-        ValueError: it cannot be read.
+        ValueError: the text is no date and time.
     """
     moment = datetime.fromisoformat(text)
     return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
@@ -77,7 +77,7 @@ def days_since_j2000(moment: datetime) -> float:
 
 
 def _equation_of_centre(calendar: CalendarParams, days: float) -> float:
-    """By how much (deg) the true anomaly is ahead of the mean one."""
+    """Difference (deg) of true less mean anomaly."""
     anomaly = radians(calendar.mean_anomaly_deg + calendar.mean_anomaly_rate_deg_day * days)
     found = calendar.centre_growth_deg_day * days * sin(anomaly)
     found += total(a * sin(k * anomaly) for k, a in enumerate(calendar.centre_deg, 1))
@@ -94,14 +94,14 @@ def solar_longitude(calendar: CalendarParams, days: float) -> float:
 
 
 def equation_of_time(calendar: CalendarParams, days: float) -> float:
-    """By how much (h) true solar time is ahead of mean solar time, ``days`` after J2000."""
+    """Difference (h) of true less mean solar time, ``days`` after J2000."""
     season = solar_longitude(calendar, days)
     tilt = total(a * sin(2 * k * season) for k, a in enumerate(calendar.obliquity_deg, 1))
     return (tilt - _equation_of_centre(calendar, days)) * _HOURS_PER_DEGREE
 
 
 def local_true_solar_time(calendar: CalendarParams, days: float, longitude: float) -> float:
-    """Hour of the sundial, 0 .. 24, at an east longitude (rad), ``days`` after J2000."""
+    """Local true solar time (h, 0 .. 24) at an east longitude (rad), ``days`` after J2000."""
     prime_meridian = 24.0 * (days - calendar.midnight_days) / calendar.solar_day_days
     return (prime_meridian + degrees(longitude) * _HOURS_PER_DEGREE + equation_of_time(calendar, days)) % 24.0
 
@@ -111,15 +111,15 @@ class SurfacePressureParams(Params):
 
     pressure_pa: float = param(
         REQUIRED,
-        "mean over the year at that elevation",
+        "pressure at elevation_m, mean over the year",
         record=False,
         gt=0.0,
         usual=(0.5, 1e7, "Pluto to Venus"),
     )
-    elevation_m: float = param(REQUIRED, "elevation above the areoid that it is of", record=False)
+    elevation_m: float = param(REQUIRED, "elevation above the areoid of pressure_pa", record=False)
     scale_height_m: float = param(
         REQUIRED,
-        "elevation over which it falls by e",
+        "rise of elevation over which the pressure falls by e",
         record=False,
         gt=100.0,
         le=1e6,
@@ -127,7 +127,7 @@ class SurfacePressureParams(Params):
     )
     season: tuple[float, float, float, float] = param(
         (0.0, 0.0, 0.0, 0.0),
-        "relative change with the season: of the sine and cosine of the solar longitude, and of twice it",
+        "relative change with the season: factors of sine and cosine of the solar longitude, and of twice it",
         record=False,
     )
 

@@ -1,5 +1,4 @@
-"""The gas of a planet's atmosphere: what the air, the flow around the vehicle and the heating take from its
-molecules.
+"""The gas of a planet's atmosphere: properties for the air, the flow around the vehicle and the heating.
 
 Sources: vibration of molecules as harmonic oscillators, Vincenti and Kruger, Introduction to Physical Gas
 Dynamics (1965), chapter IV.12; stagnation heating, Sutton and Graves, NASA TR R-376 (1971).
@@ -30,7 +29,7 @@ class Vibration(Params):
     temperature_k: float = param(
         REQUIRED, "characteristic temperature, h c / k times the wave number", gt=0.0, le=20000.0
     )
-    modes: int = param(1, "how many vibrations have it", ge=1, le=9)
+    modes: int = param(1, "number of vibrations with this temperature", ge=1, le=9)
 
 
 class GasParams(Params):
@@ -47,7 +46,7 @@ class GasParams(Params):
     )
     heat_capacity_ratio: float = param(
         REQUIRED,
-        "ratio of specific heats of the air at rest, in the cold where no molecule vibrates: speed of sound",
+        "ratio of specific heats of the cold gas, in which no molecule vibrates: speed of sound",
         status="published",
         source="planet file",
         gt=1.0,
@@ -56,8 +55,7 @@ class GasParams(Params):
     )
     vibrations: Annotated[list[Vibration], Capacity(MAX_VIBRATIONS)] = param(
         None,
-        "vibrations of the molecule, which join in one by one and lower that ratio; empty for one that does "
-        "not follow the temperature",
+        "vibrations of the molecule, which lower that ratio as the temperature rises; empty: constant ratio",
         factory=list,
         max_length=MAX_VIBRATIONS,
     )
@@ -91,8 +89,8 @@ class GasParams(Params):
     usual=(3e-5, 0.001, "hydrogen to argon"))  # fmt: skip
 
 
-#: Spacing (K) and number of the rows that a vibrating gas has its ratio of specific heats in: it errs by less
-#: than 5e-7 between them.
+#: Spacing (K) and number of the rows in which the ratio of specific heats is tabulated; cubics between them
+#: err by less than 5e-7.
 _STEP, _ROWS = 16.0, 64
 
 #: The parameters, and the ratio of specific heats: cubics between rows of temperature.
@@ -126,7 +124,7 @@ def pressure_and_sound(gas, rho, temperature):
 
 @kernel
 def _ratio_in_rows(gas, temperature):
-    """:func:`ratio_of_specific_heats`, read from its rows where they reach."""
+    """:func:`ratio_of_specific_heats`, interpolated in its table where that reaches."""
     if gas.n_vibrations == 0:
         return gas.heat_capacity_ratio
     row, t = cell(temperature / _STEP, _ROWS - 1)

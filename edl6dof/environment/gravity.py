@@ -37,8 +37,8 @@ _ROWS = (MAX_DEGREE + 2) * (MAX_DEGREE + 3) // 2
 class GravityParams(Params):
     """Gravity field of the planet."""
 
-    model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "how detailed the field is")
-    degree: int = param(4, "highest degree and order that is used of the harmonics", ge=2, le=MAX_DEGREE)
+    model: Literal["harmonics", "j2", "central", "none"] = param("harmonics", "terms of the field")
+    degree: int = param(4, "highest degree and order of the harmonics that is used", ge=2, le=MAX_DEGREE)
     mu_m3_s2: float = param(
         REQUIRED,
         "gravitational parameter",
@@ -86,7 +86,7 @@ def gravity_F(g, r_F):
 
 @kernel
 def central(g, r):
-    """The central term of the field at ``r`` (m), m/s2; in whatever frame ``r`` is given."""
+    """Central term of the field (m/s2) at ``r`` (m), in the frame of ``r``."""
     if g.model == NONE:
         return 0.0, 0.0, 0.0
     r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
@@ -110,7 +110,7 @@ def noncentral_F(g, r_F):
 
 @kernel
 def _harmonics_F(g, r_F):
-    """The weighted solid harmonics V, W, order by order, each order from its sector upwards in degree.
+    """Sum of the weighted solid harmonics V, W, order by order, each from its sectorial harmonic upwards.
 
     A harmonic is scaled to one as the coefficient of its leading power, which saves two factors in each step.
     Without coefficients of degree 1 (the origin is the centre of mass) the sum begins with harmonics of
@@ -181,7 +181,7 @@ def potential_F(g, r_F):
 
 
 def coefficients_path(name: str) -> Path:
-    """The harmonics file that a name means: one of edl6dof/data/gravity, or an absolute path."""
+    """Path of a harmonics file by its name: a file of edl6dof/data/gravity, or an absolute path."""
     return DATA / "gravity" / name
 
 
@@ -215,7 +215,7 @@ def fill_gravity(record: np.void, params: GravityParams) -> None:
 
 @lru_cache(maxsize=8)
 def _terms(params: GravityParams, content: bytes) -> np.ndarray:
-    """Weights of the harmonics, shape (_ROWS, 7); ``content``: of the file of coefficients."""
+    """Weights of the harmonics, shape (_ROWS, 7); ``content``: bytes of the file of coefficients."""
     field = np.zeros(1, GRAVITY)
     fill(field[0], params)
     radius, mu, C, S = read_coefficients(params.coefficients)

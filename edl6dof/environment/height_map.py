@@ -1,5 +1,5 @@
-"""Global maps of heights, a degree from place to place, of the ground and of the areoid: their files and the
-planets they are of.
+"""Global maps of height with a spacing of one degree, of the ground and of the areoid: their files, and the
+planets that they belong to.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _SAME_PLANET = 1e-2
 
 
 class MapFile(NamedTuple):
-    """A map (``.npy``) as it is on disk now; a ``.yaml`` of the same name gives its planet."""
+    """A map file (``.npy``) as it is on disk; a ``.yaml`` file of the same name describes its planet."""
 
     path: Path
     modified_ns: int
@@ -36,7 +36,7 @@ class MapFile(NamedTuple):
 
     @property
     def about(self) -> Path:
-        """The file that says which planet it is of."""
+        """Path of the YAML file that describes the planet of the map."""
         return self.path.with_suffix(".yaml")
 
 
@@ -50,10 +50,10 @@ class MappedPlanet(NamedTuple):
 
 
 def map_file(path: Path) -> MapFile:
-    """The map at a path.
+    """Map file at a path.
 
     Raises:
-        OSError: there is none, or it is no regular file.
+        OSError: there is no map, or it is no regular file.
     """
     found = path.stat()
     if not S_ISREG(found.st_mode):
@@ -67,7 +67,7 @@ def read_map(file: MapFile) -> np.void:
 
     Raises:
         OSError: it cannot be read.
-        ValueError: it is no map.
+        ValueError: the file is no map.
     """
     about = mapped_planet(file)
     heights = _numbers(file.path)
@@ -85,8 +85,8 @@ def mapped_planet(file: MapFile) -> MappedPlanet:
     """The planet of a map.
 
     Raises:
-        OSError: the file that says it cannot be read.
-        ValueError: it does not say it.
+        OSError: the YAML file of the map cannot be read.
+        ValueError: a value is missing in that file.
     """
     try:
         about = yaml.safe_load(read_regular_text(file.about))
@@ -105,8 +105,8 @@ def _numbers(path: Path) -> np.ndarray:
 
 
 def require_map_of(file: MapFile, planet_radius_m: float, called: str, instead: str) -> None:
-    """Refuse a map, ``called`` so in the scenario, for another planet than its own; ``instead``: what to do
-    without it.
+    """Check that a map belongs to a planet with this mean radius.  For the message: ``called``, the key of
+    the map in the scenario; ``instead``, the advice.
 
     Raises:
         ValueError: the mean radii differ by more than 1 %.

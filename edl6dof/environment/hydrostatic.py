@@ -1,8 +1,8 @@
 """Column of air in hydrostatic balance over a place: pressure at the ground, temperature against height.
 
-The balance is d(ln p)/dh = -g / (R T) = -s.  What is kept is s, a smooth curve of the height above the
-areoid; its integral is ln p and g / (R s) is T, so that pressure, density, temperature and gravity agree
-everywhere and not in the rows alone.
+The balance is d(ln p)/dh = -g / (R T) = -s.  The column stores s, a smooth function of the height above the
+areoid; ln p is minus its integral and T is g / (R s), so that pressure, density, temperature and gravity
+agree everywhere and not in the rows alone.
 Source: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), section 3.2; the change of the
 temperature with the hour, one wave that dies out upwards, is an estimate [E].
 """
@@ -50,9 +50,9 @@ class ClimateInputs(NamedTuple):
     elevation: float  # of the ground, m above the areoid
     pressure: float  # at the ground, Pa
     areoid: MapFile | None  # map of the areoid, from which heights count; ``None``: from the ellipsoid
-    lapse_rate: float  # by which the air gets warmer downwards below the table, K/m
-    near_ground: float  # by which the air at the ground is warmer at this hour than the table, K
-    depth: float  # height above ground over which that falls by e, m
+    lapse_rate: float  # rise of temperature per metre downwards, below the table, K/m
+    near_ground: float  # excess of the temperature at the ground over the table at this hour, K
+    depth: float  # height above ground over which this excess falls by e, m
 
 
 def _gravity_along(place: ClimateInputs, heights: np.ndarray) -> np.ndarray:

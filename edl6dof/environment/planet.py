@@ -47,17 +47,17 @@ class OrientationParams(Params):
     """
 
     pole_ra_deg: float = param(REQUIRED, "right ascension of the pole", record=False)
-    pole_ra_rate_deg_century: float = param(0.0, "its drift", record=False)
+    pole_ra_rate_deg_century: float = param(0.0, "drift of the right ascension", record=False)
     pole_dec_deg: float = param(REQUIRED, "declination of the pole", record=False, ge=-90.0, le=90.0)
-    pole_dec_rate_deg_century: float = param(0.0, "its drift", record=False)
+    pole_dec_rate_deg_century: float = param(0.0, "drift of the declination", record=False)
     prime_meridian_deg: float = param(
         REQUIRED, "prime meridian from the ascending node of the equator", record=False
     )
-    prime_meridian_rate_deg_day: float = param(REQUIRED, "its rotation", record=False)
+    prime_meridian_rate_deg_day: float = param(REQUIRED, "rotation of the prime meridian", record=False)
 
 
 class PlanetParams(Params):
-    """Ellipsoid, rotation, gravity field and gas of the atmosphere; a file each in edl6dof/data/planets."""
+    """Ellipsoid, rotation, gravity field and gas of a planet; one file per planet in edl6dof/data/planets."""
 
     name: Title = param(REQUIRED, "name of the planet", record=False)
     equatorial_radius_m: float = param(
@@ -109,7 +109,7 @@ class PlanetParams(Params):
     gravity: GravityParams = section("gravity field")
     gas: GasParams = section("gas of the atmosphere")
     climate: ClimateParams | None = param(
-        None, "seasons and the pressure that they give the ground: for air of model seasonal", record=False
+        None, "seasons and surface pressure, for atmosphere.model seasonal", record=False
     )
     appearance: AppearanceParams = group(AppearanceParams, "colours in pictures", record=False)
 

@@ -1,8 +1,8 @@
-"""Curves against altitude: cubics between the rows of a uniform grid, with continuous slopes, and random
-profiles that they are drawn through.
+"""Curves against altitude: cubics between the rows of a uniform grid, with continuous slopes; and random
+profiles.
 
-Random profiles are seeded Gauss-Markov sequences made when a case is built.  A case carries its own, so a
-flight gives the same bits alone, in threads or on a cluster.
+Random profiles are seeded Gauss-Markov sequences made when a case is built.  Each case has its own profiles,
+so a flight gives the same bits alone, in threads or on a cluster.
 Source: slopes on a uniform grid (harmonic mean): Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5 (1984)
 300-304.  Gauss-Markov sequence: Gelb, Applied Optimal Estimation (1974), section 3.8.
 """
@@ -70,7 +70,7 @@ def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
 DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4
-#: Of the first sensor of the family; the others follow.
+#: Random stream of the first sensor of the family; those of the others follow.
 SENSOR_STREAM = 100
 
 

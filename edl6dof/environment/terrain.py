@@ -3,8 +3,8 @@
 Elevations count from the areoid (:mod:`edl6dof.environment.areoid`), as the heights of the air do.
 
 Metres north and east of the site count along its meridian and along its parallel, both at the height of the
-site, so a metre is one on the ground: 1 km off the site, directions turn by less than 1e-3 and lengths change
-by less than that share up to 70 deg of latitude.
+site, where lengths are true: 1 km off the site, directions turn by less than 1e-3 and lengths change by less
+than that share up to 70 deg of latitude.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ MAP = DATA / "topography" / "mola_1deg_colat_lon.npy"
 
 
 class TerrainParams(Params):
-    """Ground of the truth: a global map or nothing, and a plane around the landing site."""
+    """True ground: a global map or none, and a plane around the landing site."""
 
     model: Literal["mola", "plane", "none"] = param(
         "mola", "mola: 1-degree map fitted to the site; plane: site only; none: 0 m"
@@ -87,9 +87,7 @@ class TerrainParams(Params):
         usual=(0, 35, "loose ground does not lie steeper"),
     )
     slope_azimuth_deg: float = param(0.0, "downhill direction, from north through east", ge=-360.0, le=360.0)
-    slope_radius_m: float = param(
-        2000.0, "distance from the site up to which the ground keeps tilting", gt=0.0, le=20e3
-    )
+    slope_radius_m: float = param(2000.0, "radius of the tilted plane around the site", gt=0.0, le=20e3)
     ellipse_length_m: float = param(
         0.0, "planned landing ellipse, for drawings: long axis; 0 for none", record=False, ge=0.0, le=1e6
     )
@@ -126,7 +124,7 @@ def ground(terrain, grid, lat, lon):
 
 @kernel
 def regional(terrain, grid, lat, lon):
-    """As :func:`ground`, without what is generated."""
+    """As :func:`ground`, without the generated relief."""
     if grid.dtm.reach > 0.0:
         y, x = place_of(terrain, lat, lon)
         return with_dtm(grid.dtm, terrain.site_elevation, y, x, _mapped(terrain, grid, lat, lon))
@@ -235,7 +233,7 @@ def require_topography_of(planet_radius_m: float) -> None:
     """Refuse the map of model mola for a planet of another mean radius.
 
     Raises:
-        ValueError: it is of another planet.
+        ValueError: the map is of another planet.
     """
     require_map_of(map_file(MAP), planet_radius_m, "mola", "use 'plane' or 'none'")
 
@@ -243,7 +241,7 @@ def require_topography_of(planet_radius_m: float) -> None:
 def fill_terrain(
     record: np.void, params: TerrainParams, grid: np.void, planet: PlanetParams, seed: int = 0, case: int = 0
 ) -> None:
-    """Copy the parameters, fit the map to the site, resolve the tilt, and lay down the landing area of
+    """Copy the parameters, fit the map to the site, resolve the tilt, and generate the landing area of
     (``seed``, ``case``).
 
     Raises:

@@ -35,13 +35,13 @@ from edl6dof.spatial.table_index import held_cell
 class GustParams(Params):
     """Random gust of a case: Gauss-Markov in altitude, its scale length growing with altitude."""
 
-    enabled: bool = param(False, "whether the random gust blows")
+    enabled: bool = param(False, "true: the random gust blows")
     sigma_scale: float = param(1.0, "factor on the sigmas", ge=0.0, le=5.0)
     altitudes_m: Vec3 = param(
         (0.0, 20e3, 60e3), "heights above the areoid of the sigmas, rising", status="estimate"
     )
     sigma_m_s: Vec3 = param(
-        (3.0, 8.0, 20.0), "sigma of the east and of the north component there", status="estimate"
+        (3.0, 8.0, 20.0), "sigma of the east and of the north component at altitudes_m", status="estimate"
     )
     bottom_m: float = param(
         -8000.0, "height above the areoid below which the random gust stays the same", ge=-50e3, le=0.0
@@ -74,7 +74,7 @@ class GustParams(Params):
 class DiscreteGustParams(Params):
     """One gust of shape 1-cosine."""
 
-    enabled: bool = param(False, "whether it blows")
+    enabled: bool = param(False, "true: the gust blows")
     amplitude_m_s: float = param(20.0, "greatest speed", status="estimate", ge=0.0, le=200.0)
     altitude_m: float = param(5000.0, "height above the areoid of the greatest speed", ge=-10e3, le=200e3)
     half_length_m: float = param(100.0, "altitude from its edge to its middle", status="estimate", gt=0.0)
@@ -84,7 +84,7 @@ class DiscreteGustParams(Params):
 
 
 class WindParams(WindChoice):
-    """Wind of the truth."""
+    """True wind."""
 
     scale: float = param(1.0, "factor on the mean wind", ge=-10.0, le=10.0)
     gust: GustParams = group(GustParams, "random gust")
@@ -148,10 +148,10 @@ def _one_minus_cosine(gust, alt):
 
 
 def require_winds(params: WindParams, table: np.void) -> None:
-    """Refuse the winds of a table that has none.
+    """Check that the table has winds, if the model reads them.
 
     Raises:
-        ValueError: it has none.
+        ValueError: the table has no winds.
     """
     if params.model == "table" and not (np.any(table["east"]) or np.any(table["north"])):
         raise ValueError("wind model table: the atmosphere table has no winds")

@@ -1,6 +1,7 @@
 """Models of the mean wind against altitude that a scenario may name as ``wind.model``.
 
-Source: constant and shear: NASA/TM-2015-218675 (NESC check cases), cases 7 and 8; table: that of the table.
+Source: constant and shear: NASA/TM-2015-218675 (NESC check cases), cases 7 and 8; table: the source of its
+csv.
 """
 
 from __future__ import annotations
@@ -94,7 +95,7 @@ NONE = Member("none", NoneParams, {"mean": no_wind}, "null member")
 
 WINDS = Family("mean wind", (TABLE, CONSTANT, SHEAR, NONE))
 
-WindChoice = WINDS.params_model("WindChoice", "model", "table", "Which model of the mean wind.", bare=True)
+WindChoice = WINDS.params_model("WindChoice", "model", "table", "Model of the mean wind.", bare=True)
 
 #: ``(index, wind, table, altitude)`` to the mean wind towards east and north, m/s.
 wind_of_model = WINDS.switch("mean", "wind", "table", "alt")

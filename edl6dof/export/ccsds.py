@@ -48,7 +48,7 @@ def parse_epoch(text: str) -> datetime:
     """Return the date and time of t = 0.
 
     Raises:
-        ValueError: there is none, or it cannot be read.
+        ValueError: the text is empty, or is no date.
     """
     if not text:
         raise ValueError("the scenario has no initial.epoch_utc, which a CCSDS message needs")
@@ -59,7 +59,7 @@ def days_since_j2000(utc: datetime) -> float:
     """Return days of dynamical time since 2000-01-01 12:00 TDB; TDB is taken as TT, 2 ms off at most.
 
     Raises:
-        ValueError: the date lies before leap seconds.
+        ValueError: the date lies before leap seconds were introduced (1972).
     """
     steps = sum(first <= utc for first in LEAP_SECONDS)
     if not steps:
@@ -71,7 +71,7 @@ def icrf_to_fixed(orientation: OrientationParams, utc: datetime) -> np.ndarray:
     """Return the matrix, shape (3, 3), that turns ICRF components into planet-fixed ones at a date.
 
     Raises:
-        ValueError: the date lies before leap seconds.
+        ValueError: the date lies before leap seconds were introduced (1972).
     """
     from scipy.spatial.transform import Rotation
 
@@ -127,7 +127,7 @@ def write_aem(stream: TextIO, about: About, columns: Columns) -> int:
     body = Rotation.from_quat(np.stack([columns[f"truth.q_I2B_{c}"] for c in "xyzw"], 1))
     quaternion = (to_inertial * body).as_quat()
     turned = np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0.0
-    # no jump of sign for a reader who interpolates
+    # keep the sign continuous, so that a reader can interpolate
     quaternion[1:] *= np.where(np.cumsum(turned) % 2, -1.0, 1.0)[:, None]
     numbers = [" ".join(f"{value:.12f}" for value in row) for row in quaternion]
     return _write(stream, "AEM", about, columns["t_s"], numbers)

@@ -1,4 +1,4 @@
-"""The telemetry of a run as csv, MATLAB, netCDF, CCSDS and NESC files."""
+"""The telemetry of a run as csv, MATLAB, netCDF, CCSDS, KML and NESC files."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from edl6dof.config.errors import refusal
 from edl6dof.export import ccsds
+from edl6dof.export.kml import write_kml
 from edl6dof.export.nesc import check_case_table, write_table
 from edl6dof.runs.files import atomic_file
 from edl6dof.runs.run import Run
@@ -29,6 +30,7 @@ FILES = {
     "nc": "telemetry.nc",
     "oem": "orbit.oem",
     "aem": "attitude.aem",
+    "kml": "trajectory.kml",
     "nesc": "nesc.csv",
 }
 
@@ -44,7 +46,7 @@ def export_text(folder: Path, form: str) -> str:
     """Return the telemetry of a run in a text format.
 
     Raises:
-        ConfigError: the form is none.
+        ConfigError: the form is no text format.
     """
     if form in ("mat", "nc"):
         raise refusal("-", f"the form {form} is no text; name a file")
@@ -57,6 +59,8 @@ def _write(run: Run, form: str, path: Path) -> int:
     """Write a run in one form; returns the rows written."""
     if form in ("oem", "aem"):
         return _write_message(run, form, path)
+    if form == "kml":
+        return write_kml(path, run)
     if form == "nesc":
         truth = viewed_scenario(run.scenario_text, str(run.folder / "scenario.yaml")).truth
         tables = build_tables(truth)

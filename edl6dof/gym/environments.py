@@ -1,4 +1,4 @@
-"""The environments: a task in one flight, or in many that one call flies."""
+"""The environments: a task in one flight, or in many that one call steps together."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
     ``is_success``.
 
     Args:
-        task: name of the task, of :data:`edl6dof.gym.TASKS`.
+        task: name of the task, one of :data:`edl6dof.gym.TASKS`.
         pool: number of dispersed flights that episodes draw from; each is flown when it is first drawn.
-        first_case: case number of the first of them.  Environments whose ranges of ``pool`` cases from
-            ``first_case`` on do not overlap have no flight in common.
+        first_case: case number of the first flight of the pool.  Environments whose ranges of ``pool`` cases
+            from ``first_case`` on do not overlap have no flight in common.
         render_mode: always ``None``.
     """
 
@@ -87,7 +87,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
 
 
 class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
-    """A task in many flights; each is that of a :class:`FlightEnv` of its seed.
+    """A task in many flights, each of which is the same as in a :class:`FlightEnv` with its seed.
 
     The information of a step has ``is_success`` and ``_is_success`` of the flights whose episodes it ended.
 
@@ -95,11 +95,11 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         task: name of the task.
         num_envs: number of flights.
         pool: number of dispersed flights that episodes draw from.
-        first_case: case number of the first of them, as for :class:`FlightEnv`.
+        first_case: case number of the first flight of the pool, as for :class:`FlightEnv`.
         workers: number of threads.
-        autoreset_mode: when an episode that has ended begins anew: in the next step, whose action is not
-            used (the default); in the same step, whose information then has ``final_obs``; or when
-            ``reset`` is called with the option ``reset_mask``.
+        autoreset_mode: when the next episode of a flight begins: in the next step, whose action is not used
+            (the default); in the same step, whose information then has ``final_obs``; or when ``reset`` is
+            called with the option ``reset_mask``.
         render_mode: always ``None``.
     """
 
@@ -143,7 +143,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         return self.task.observe(), {}
 
     def _seed(self, seed: int | Sequence[int | None] | None) -> None:
-        """Seed the generator of each flight; a whole number seeds the first, and each next by one more."""
+        """Seed the generator of each flight; a whole number is the first seed, the others count up."""
         every = range(self.num_envs)
         seeds = [seed + k for k in every] if isinstance(seed, int) else seed or [None for _ in every]
         if len(seeds) != self.num_envs:
@@ -158,7 +158,7 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         self._ended[which] = False
 
     def step(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Take one action each; a number beyond its bound counts as the bound.
+        """Take one action in each flight; a number beyond its bound counts as the bound.
 
         Raises:
             ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
@@ -187,12 +187,12 @@ class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):
         return self.task.baseline()
 
     def close_extras(self, **kwargs: Any) -> None:
-        """End the threads."""
+        """Stop the threads."""
         self._episodes.fleet.close()
 
 
 def _rows(observations: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Observations as an array of objects: of the flights that are meant, ``None`` of the others."""
+    """Array of objects: the observations of the flights in ``which``, ``None`` for the others."""
     rows = np.full(len(which), None, dtype=object)
     for index in np.flatnonzero(which):
         rows[index] = observations[index].copy()

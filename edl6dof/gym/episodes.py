@@ -22,12 +22,12 @@ _CASES = 2**26
 
 
 class StartPool:
-    """Starts of the episodes of a task by case number, each flown when it is first asked for.
+    """Starts of the episodes of a task by case number, each flown when it is first needed.
 
     Args:
         task: the task.
         size: number of cases to draw from.
-        first: number of the first of them.
+        first: number of the first case.
 
     Attributes:
         drawn: case numbers that an episode draws from.
@@ -63,7 +63,7 @@ class StartPool:
             return self.known[case]
 
     def _flown(self, case: int) -> Start:
-        """Fly a case up to the task, or another one if it ends before."""
+        """Fly a case up to the task; if the flight ends before, replace it by another case."""
         task = self._task
         for seed in range(case, _PATIENCE * _CASES, _CASES):
             if (start := self.flights.at_phase(seed, task.role, task.later_s)) is not None:
@@ -72,7 +72,7 @@ class StartPool:
 
 
 class Outcome(NamedTuple):
-    """Result of a step, each shape (flights,) or (flights, size)."""
+    """Result of a step, arrays of shape (flights,) or (flights, size)."""
 
     observation: np.ndarray
     reward: np.ndarray
@@ -90,14 +90,14 @@ def known_options(options: Mapping[str, Any] | None, known: Sequence[str]) -> Ma
 
 
 class Episodes:
-    """Episodes under way.
+    """Episodes of a task that are stepped together.
 
     Args:
         task: the task.
         count: number of episodes.
         workers: number of threads.
         pool: number of dispersed flights that episodes draw from.
-        first_case: case number of the first of them.
+        first_case: case number of the first flight of the pool.
     """
 
     def __init__(self, task: type[Task], count: int, workers: int, pool: int, first_case: int = 0):
@@ -121,7 +121,7 @@ class Episodes:
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Make everything anew, with the flights where they were."""
+        """Restore from a pickle: build all objects again and put the flights into their saved states."""
         self.__init__(*state["made_with"])  # type: ignore[misc]
         self._starts.known.update(state["known"])
         self.fleet.restore(state["flights"])
@@ -129,13 +129,13 @@ class Episodes:
         vars(self.task).update(deepcopy(state["task"]))
 
     def begin(self, which: Iterable[int], generators: list[np.random.Generator]) -> None:
-        """Begin some episodes anew, each with a case of the pool that its own generator draws."""
+        """Begin the next episode in some flights, each with a case of the pool drawn by its own generator."""
         drawn = self._starts.drawn
         for index in which:
             self.begin_with(index, drawn[int(generators[index].integers(len(drawn)))])
 
     def begin_with(self, index: int, case: int) -> None:
-        """Begin an episode anew with the dispersed flight of a case number."""
+        """Begin the next episode in a flight, with the dispersed case of a number."""
         self.fleet.put(index, self._starts[case])
         self._steps[index] = 0
         self.task.begin(index)

@@ -44,7 +44,7 @@ class Feature:
 
 
 class StepResult(NamedTuple):
-    """Result of a step, each shape (flights,): reward, true where the task is over, and where it was done."""
+    """Result of a step, each shape (flights,): reward, whether the task is over, whether it succeeded."""
 
     reward: np.ndarray
     over: np.ndarray
@@ -52,12 +52,12 @@ class StepResult(NamedTuple):
 
 
 class Task(ABC):
-    """A task."""
+    """A task to learn, flown by all flights of a fleet."""
 
     title: str
     scenario: str = "tianwen1_mc"  # scenario or campaign that episodes are taken from
-    overrides: Mapping[str, Any] = {}  # changes of it
-    faults: tuple[Mapping[str, Any], ...] = ()  # of which each flight has one
+    overrides: Mapping[str, Any] = {}  # changes of the scenario
+    faults: tuple[Mapping[str, Any], ...] = ()  # each flight has one of these
     role: str  # of the mission phase in which an episode begins
     later_s: float = 0.0  # time from the beginning of that phase to the episode, s
     interval_s: float  # time between two actions, s
@@ -117,10 +117,10 @@ class Task(ABC):
         """Evaluate the step since the last call."""
 
     def begin(self, index: int) -> None:  # noqa: B027  few tasks remember anything
-        """Forget the episode of a flight that begins anew."""
+        """Reset the memory of the task for a flight that begins an episode."""
 
     def give(self, command: str, given: Any = 1, **values: np.ndarray) -> None:
-        """Write a command for all flights, or those for which it is ``given``, and fields of the command."""
+        """Write a command and its fields ``values`` for all flights, or only where ``given`` is true."""
         external = self.fleet.memories["external"]
         external["given"][command] = given
         for name, value in values.items():

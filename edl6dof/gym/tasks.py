@@ -26,8 +26,8 @@ _FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
 
 
 class EntryBank(Task):
-    """Action: bank angle over 105 deg.  Reward: at the end 1 less the miss over 20 km, or -1 where the
-    parachute may not open there.
+    """Action: bank angle divided by 105 deg.  Reward: at the end 1 less the miss divided by 20 km, or -1 if
+    the parachute may not open there.
     """
 
     title = "bank angle of the entry"
@@ -61,7 +61,7 @@ class EntryBank(Task):
         return np.clip(bank, -1.0, 1.0)[:, None].astype(np.float32)
 
     def result(self) -> StepResult:
-        """Over when the mortar fires, or the flight ends before."""
+        """Evaluate the step; the task is over when the mortar fires, or the flight ends before."""
         lost = self.ended()
         over = lost | ~self.in_role(LIFT)
         limits, navigated = self.loaded.scenario.limits, self.fleet.memories["nav"]
@@ -90,8 +90,8 @@ def thrust_axis(memories: np.ndarray) -> np.ndarray:
 
 
 class PoweredDescent(Task):
-    """Action: acceleration of thrust beyond weight, north, east and up, over 5 m/s2.  Reward: what the step
-    brought towards rest on the ground, and at the end 1 for a landing within limits, -1 for any other end.
+    """Action: acceleration of thrust beyond weight, north, east and up, divided by 5 m/s2.  Reward: decrease
+    of the distance from rest on the ground, at the end 1 for a landing within limits, -1 for any other end.
     """
 
     title = "powered descent by the thrust vector"
@@ -139,7 +139,7 @@ class PoweredDescent(Task):
         self._left[index] = self._distance()[index]
 
     def result(self) -> StepResult:
-        """Over when the flight ends."""
+        """Evaluate the step; the task is over when the flight ends."""
         before, self._left = self._left, self._distance()
         over, success, last = self.landing()
         return StepResult(before - self._left + last, over, success)
@@ -149,7 +149,7 @@ class PoweredDescent(Task):
         return mass, mass * self.fleet.memories["nav"]["gravity"]
 
     def _distance(self) -> np.ndarray:
-        """Distance from rest on the ground, as a share of the whole."""
+        """Distance from rest on the ground: speed over 100 m/s plus height over 2,000 m, shape (flights,)."""
         navigated = self.fleet.memories["nav"]
         speed = np.linalg.norm(navigated["v_N"], axis=1)
         return speed / 100.0 + np.maximum(navigated["height"], 0.0) / 2000.0
@@ -178,7 +178,7 @@ def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 class HazardDivert(Task):
     """Action: spot east and north of the middle of the map, 1 at its edges.  Reward: at the end 1 for a
-    landing within limits, of the ground too, and -1 for any other.
+    landing within limits, those of the ground included, and -1 for any other.
     """
 
     title = "spot to land on, among rocks and craters"
@@ -204,13 +204,13 @@ class HazardDivert(Task):
         return np.clip(on_map(memories, memories["hazard"]["choice"]["spot_L"]), -1.0, 1.0).astype(np.float32)
 
     def result(self) -> StepResult:
-        """Over when the flight ends."""
+        """Evaluate the step; the task is over when the flight ends."""
         over, success, last = self.landing()
         return StepResult(last, over, success)
 
 
 def _one_dead(phase: str, names: Sequence[str]) -> tuple[dict[str, Any], ...]:
-    """Faults of which one happens."""
+    """Dead-thruster faults in a phase, one for each name; each flight has one of them."""
     at = {"phase": phase, "plus_s": _FAILS_S[phase]}
     return tuple({"thruster": name, "kind": "stuck_off", "at": at} for name in names)
 
@@ -232,9 +232,9 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Action: duty of each thruster, -1 for none and 1 for all the time, from the release of the backshell
-    on.  Reward: a hundredth less a hundredth of error (rad) and rate (rad/s) in each step, -1 where attitude
-    is lost; done where the thrust axis is where guidance wants it after 30 s.
+    """Action: duty of each thruster, -1 for never and 1 for always open, from the release of the backshell
+    on.  Reward: 0.01 (1 - attitude error (rad) - body rate (rad/s)) in each step, -1 where attitude is lost.
+    Success: after 30 s the thrust axis points where guidance wants it.
     """
 
     title = "attitude of powered descent by single thrusters, one of which is dead"
@@ -264,7 +264,7 @@ class DeadThruster(_ThrusterFault):
         self._began[index] = self.fleet.plants["t"][index]
 
     def result(self) -> StepResult:
-        """Over after 30 s, or when attitude is lost."""
+        """Evaluate the step; the task is over after 30 s, or when attitude is lost."""
         memories = self.fleet.memories
         error = np.linalg.norm(memories["demand"]["attitude_error"], axis=1)
         rate = np.linalg.norm(memories["nav"]["w_B"], axis=1)
@@ -277,7 +277,7 @@ class DeadThruster(_ThrusterFault):
 
 class FaultDiagnosis(_ThrusterFault):
     """Action: 0 to wait, or the number of a thruster to take out of use, which ends the episode.  Reward: 1
-    less a twentieth for each second if it is the one that failed, but a tenth at least; -1 if not.
+    less 0.05 for each second, but at least 0.1, if this thruster has failed; -1 if not.
 
     A bank reversal, which uses the thrusters, comes some seconds after the beginning.  Fault isolation of the
     flight software is at work, too; the duties show what it has taken out of use.
@@ -322,7 +322,7 @@ class FaultDiagnosis(_ThrusterFault):
         self._waited[index] = 0.0
 
     def result(self) -> StepResult:
-        """Over when a thruster is named, or the flight ends."""
+        """Evaluate the step; the task is over when a thruster is named, or the flight ends."""
         self._waited += self.interval_s
         right = self._named == self._failed
         over = (self._named > 0) | self.ended()

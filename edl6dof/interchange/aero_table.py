@@ -1,8 +1,8 @@
 """Tables of aerodynamic coefficients in csv: a heading, and a row for every point of a complete grid.
 
 Columns, in any order: ``mach``, ``alpha_deg``, for a body without symmetry ``beta_deg``, and coefficients:
-``CD`` and ``CL``, or ``CA`` and ``CN`` (the first pair where both stand), ``Cm``, and with ``beta_deg`` also
-``CY``, ``Cl`` and ``Cn``, zero where they are missing.  Lines that begin with # are remarks.
+``CD`` and ``CL``, or ``CA`` and ``CN`` (the first pair if a file has both), ``Cm``, and with ``beta_deg``
+also ``CY``, ``Cl`` and ``Cn``, zero where they are missing.  Lines that begin with # are remarks.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ class AeroColumns(NamedTuple):
 
 
 def read_aero_csv(path: Path, content: bytes) -> AeroColumns:
-    """The table of a csv file.
+    """Read the table of a csv file.
 
     Raises:
-        ValueError: with file, line and column of what is wrong.
+        ValueError: the file is wrong; the message has file, line and column.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -60,7 +60,7 @@ def read_aero_csv(path: Path, content: bytes) -> AeroColumns:
 
 
 def _heading(path: Path, number: int, line: str) -> list[str]:
-    """Names of the columns; empty for one that is not read."""
+    """Names of the columns; empty for a column that is not read."""
     words = [word.strip() for word in next(csv.reader([line]))]
     if all(_is_number(word) for word in words):
         raise ValueError(f"{path}:{number}: needs a heading such as mach,alpha_deg,CD,CL,Cm above its rows")

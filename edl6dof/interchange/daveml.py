@@ -40,9 +40,8 @@ def read_daveml(path: Path) -> Model:
     """Read a file.
 
     Raises:
-        ConfigError: it is no DAVE-ML, uses an unsupported element, or fails its own check data; with file,
-        line
-            and element.
+        ConfigError: the file is no DAVE-ML, uses an unsupported element, or fails its own check data; with
+            file, line and element.
     """
     root = read_xml(path)
     if root.tag != "DAVEfunc":
@@ -176,7 +175,7 @@ class _Reader:
             self.check_formula(argument)
 
     def check_piecewise(self, node: Element) -> None:
-        """Pieces of a value and a condition, and at most one value otherwise, which stands last."""
+        """Check that each piece has a value and a condition, and that an ``otherwise`` stands last."""
         kinds = [child.tag for child in node]
         if kinds[-1:] == ["otherwise"]:
             kinds.pop()
@@ -207,7 +206,7 @@ class _Reader:
         return values.reshape(shape)
 
     def function(self, element: Element) -> tuple[str, Function]:
-        """Output variable and table of a ``function``; its points stand inside it or are referred to."""
+        """Output variable and table of a ``function``; its points are inside, or referred to."""
         inputs = list(self.independent(element))
         names = tuple(self.need(item, "varID") for item in inputs)
         if inputs and inputs[0].tag == "independentVarPts":

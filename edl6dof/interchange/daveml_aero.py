@@ -71,7 +71,7 @@ def sampled_model(
 
 
 def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -> dict[str, float]:
-    """Values of the inputs of a model besides ``flow``, by identifier and in its units.
+    """Values of the inputs of a model other than ``flow``, by identifier and in its units.
 
     Raises:
         ConfigError: an input is not given.
@@ -92,8 +92,8 @@ def settings(model: Model, inputs: Mapping[str, float], flow: tuple[str, ...]) -
 
 
 def is_sampled(model: Model) -> bool:
-    """Return whether a model is more than drag, lift and pitching moment over Mach number and angle of
-    attack, or constants.
+    """Return whether a model has more than constants, or than drag, lift and pitching moment over Mach number
+    and angle of attack, and so needs the grid.
     """
     outputs = _outputs(model).values()
     names = {model.variables[i].name for output in outputs for i in model.inputs_of(output.id)}
@@ -173,7 +173,7 @@ def _at(model: Model, given: Mapping[str, float], flow: Mapping[str, Number]) ->
 def _damping(
     model: Model, given: Mapping[str, float], mach: np.ndarray, alpha: np.ndarray, beta: np.ndarray
 ) -> np.ndarray:
-    """Damping coefficients [Mach, alpha, 9], read off at no sideslip and held against other states."""
+    """Damping coefficients [Mach, alpha, 9] at zero sideslip, checked against those of other states."""
     at = {MACH: mach[:, None], ALPHA: alpha}
     still = _at(model, given, {**at, SPEED: _V})
     found = np.zeros((*still.shape[:2], 9))
@@ -199,6 +199,6 @@ def _damping(
 
 
 def length_of(model: Model, names: tuple[str, ...]) -> float | None:
-    """Reference length (m) by one of its names."""
+    """Reference length (m) by one of ``names``, ``None`` if the model has none of these."""
     variable = next((found for name in names if (found := model.named(name)) is not None), None)
     return None if variable is None else model.evaluate(variable.id) * factor(model, variable, "length")

@@ -240,7 +240,7 @@ class Model:
     def _piecewise(
         self, variable: Variable, node: Element, given: Mapping[str, Number], known: dict[str, Number]
     ) -> Number:
-        """The first piece whose condition holds, else what stands otherwise; all are worked out."""
+        """Value of the first piece whose condition holds, else of ``otherwise``; all pieces are evaluated."""
         pieces = [child for child in node if child.tag == "piece"]
         other = node.find("otherwise")
         found: Any = np.nan if other is None else self._formula(variable, other[0], given, known)
@@ -255,7 +255,7 @@ class Model:
 
 
 def interpolate(table: Function, point: Sequence[Number]) -> Number:
-    """Linear in every direction, held beyond the ends; at one point or at many."""
+    """Interpolate linearly in every direction, constant beyond the ends; at one point or at many."""
     many = np.broadcast_arrays(*(np.atleast_1d(x) for x in point))
     values = np.broadcast_to(table.values, (len(many[0]), *table.values.shape))
     rows = np.arange(len(many[0]))

@@ -72,7 +72,7 @@ Part = dict[str, tuple[Any, Mark]]
 
 
 def _put(part: Part, model: Model, line: int, values: Mapping[str, Any]) -> None:
-    """Add values that stand in a line of the file of a model."""
+    """Add values, which the file of a model gives in one line, to a part."""
     part.update((path, (value, Mark(str(model.path), line, 1))) for path, value in values.items())
 
 
@@ -110,7 +110,7 @@ def expand_daveml(document: Document) -> Document:
 
 
 def _adopt(document: Document, keys: tuple[str, ...], value: Any, mark: Mark) -> None:
-    """Put a value in the document unless it is there."""
+    """Put a value into the document unless the YAML file gives it."""
     node = document.data
     for depth, key in enumerate(keys[:-1], start=1):
         if key not in node:
@@ -130,7 +130,7 @@ def vehicle_part(paths: Iterable[Path], inputs: Mapping[str, float] | None = Non
 
     Args:
         paths: the files.
-        inputs: inputs of the models besides the flow, by name or identifier and in their own units.
+        inputs: inputs of the models other than the flow, by name or identifier and in their own units.
 
     Raises:
         ConfigError: a file cannot be read or is beyond the models of a vehicle, or no file has such an input.
@@ -246,7 +246,7 @@ def static_table(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mach numbers, angles of attack (deg) and [Mach, angle, (CD, CL, Cm)] at the breakpoints of a file.
 
     Raises:
-        ConfigError: the coefficients depend on something else, or one is missing.
+        ConfigError: the coefficients depend on another variable, or one is missing.
     """
     model = read_daveml(path)
     grids: dict[str, set[float]] = {MACH: set(), ALPHA: set()}

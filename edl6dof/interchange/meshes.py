@@ -1,4 +1,4 @@
-"""Meshes in files of others, glTF 2.0 and STL: seen to be such before a viewer is handed them, and their
+"""Mesh files of unknown origin, glTF 2.0 and STL: checked before they are given to a viewer; and their
 triangles, in the file's own axes and units.
 
 A file is data and nothing else: it is read as bytes, nothing in it is run, and one that names other files or
@@ -28,18 +28,18 @@ GLB, GLTF, STL = "model/gltf-binary", "model/gltf+json", "model/stl"
 
 
 class MeshFile(NamedTuple):
-    """A mesh as it is on disk, and its media type."""
+    """Content of a mesh file, and its media type."""
 
     content: bytes
     media_type: str
 
 
 def read_mesh_file(path: Path) -> MeshFile:
-    """A mesh.
+    """Read and check a mesh file.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no mesh of these kinds, or names other files.
+        ValueError: the file is no glTF 2.0 or STL, or names other files.
     """
     kind = path.suffix.lower()
     if kind not in _KINDS:
@@ -105,7 +105,7 @@ _KINDS = {
 }
 
 
-#: Most triangles that are taken from one file.
+#: Largest number of triangles in one file.
 MOST_TRIANGLES = 50_000
 _COMPONENTS = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _TRIANGLES = 4
@@ -116,7 +116,7 @@ def read_triangles(path: Path) -> np.ndarray:
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no mesh of these kinds, has too many triangles, none, or none that are plain.
+        ValueError: the file is no glTF 2.0 or STL, is damaged, or its triangles cannot be used.
     """
     content, media_type = read_mesh_file(path)
     try:
@@ -171,7 +171,7 @@ def _gltf(content: bytes, binary: bool) -> np.ndarray:
 
 
 def _placing(node: dict[str, Any]) -> np.ndarray:
-    """Matrix of a node: given, or of its scale, rotation (x, y, z, w) and translation."""
+    """Matrix of a node: as given, or from scale, rotation (x, y, z, w) and translation."""
     if "matrix" in node:
         return np.array(node["matrix"], dtype=float).reshape(4, 4).T
     x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))

@@ -6,7 +6,7 @@ from __future__ import annotations
 MAX_THRUSTERS = 32
 #: Propellant branches, each behind one latch valve.
 MAX_BRANCHES = MAX_THRUSTERS
-#: Parts of a vehicle that can be jettisoned; the flight software keeps a row for each set of them.
+#: Parts of a vehicle that can be jettisoned; the flight software has a row for each subset of them.
 MAX_PARTS = 8
 #: Engines, and deployable surfaces, of a vehicle.
 MAX_ENGINES = 8

@@ -19,12 +19,12 @@ from edl6dof.records import FLAG, record, whole
 
 COMMAND = record(
     ("valve_open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time, of each thruster
-    ("valve_close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time; not after the opening for no pulse
+    ("valve_close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time; no pulse if not after the opening
     ("request", FLAG, (MAX_EVENTS,)),  # events requested in this cycle, by their numbers
     ("thrust", "f8", (MAX_ENGINES,)),  # N, of each engine
     ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # of edl6dof.interface.effectors, of all engines
-    # what a vehicle without attitude dynamics follows
-    ("steering", FLAG),  # it is to follow the angles below
+    # for a vehicle without attitude dynamics
+    ("steering", FLAG),  # the angles below are commanded
     ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
     ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
     ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase
@@ -34,7 +34,7 @@ COMMAND = record(
 )
 
 
-#: Flags of the commands that are given, by the name of each.
+#: Flags of the external commands in force, by name.
 GIVEN = record(
     ("estimate", FLAG),  # r_I, v_I, q_I2B, w_B, height_above_ground
     ("coarse_spot", FLAG),  # coarse_L
@@ -49,7 +49,7 @@ GIVEN = record(
 )
 
 EXTERNAL = record(
-    ("given", GIVEN),  # those of the following that count, each until it is withdrawn
+    ("given", GIVEN),  # commands in force, each until it is withdrawn
     ("r_I", "f8", (3,)),  # m, I: position of the centre of mass, replaces that of navigation
     ("v_I", "f8", (3,)),  # m/s, I: its inertial velocity
     ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first

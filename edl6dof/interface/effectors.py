@@ -1,8 +1,8 @@
 """Effectors: modes of the engines; groups, failures and branches of the thrusters; events of a mission.
 
-An event is what the flight software requests and the vehicle then does, at most once.  Its name belongs to
-the scenario.  Both sides number the events in the order in which the scenario first names them, and know the
-action, the component and the delay of each.
+An event is an action that the flight software requests and the vehicle carries out, at most once.  Its name
+belongs to the scenario.  Both sides number the events in the order in which the scenario first names them,
+and know the action, the component and the delay of each.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ LANDING_GEAR = -1
 
 EVENT = record(
     ("action", "i8"),  # index in ACTIONS
-    # index of the part, parachute, surface or engine in its list; LANDING_GEAR; of a group of engines
-    # less than zero: its size is a bit for each
+    # index of the part, parachute, surface or engine in its list; LANDING_GEAR; or a group of engines:
+    # negative, with a bit of its magnitude for each engine
     ("component", "i8"),
-    ("delay", "f8"),  # s, from the command to what is done
+    ("delay", "f8"),  # s, from the command to the action
 )
 EVENT_TABLE = record(
     ("events", EVENT, (MAX_EVENTS,)),  # in the order of their numbers
@@ -59,13 +59,13 @@ EVENT_TABLE = record(
 
 
 def group_of(indices: Iterable[int]) -> int:
-    """The component of an event that is done to several engines."""
+    """Component number of an event that acts on several engines."""
     return -sum(1 << index for index in indices)
 
 
 @kernel
 def is_done_to(event, engine):
-    """Test whether an event that ignites or cuts off concerns an ``engine``, alone or in a group."""
+    """True if an event that ignites or cuts off acts on ``engine``, alone or in a group."""
     if event.component >= 0:
         return event.component == engine
     return (-event.component >> engine) & 1 != 0

@@ -27,8 +27,8 @@ from edl6dof.interface.capacities import (
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 
-#: Readings of the gyros and accelerometers of an inertial unit, each along its own axis.  They count, so that
-#: nothing between two readings is lost; the counts go on from the start of the flight.
+#: Readings of the gyros and accelerometers of an inertial unit, each along its own axis.  They count from
+#: the start of the flight, so that nothing between two readings is lost.
 INERTIAL = record(
     ("angle", "f8", (MAX_GYROS,)),  # rad: integral of the rate about the axis of each gyro
     ("rate", "f8", (MAX_GYROS,)),  # rad/s: that rate at the time of the reading
@@ -61,7 +61,7 @@ TRACKING = record(
 #: Rows that the lidar has measured in this cycle; direction of a cell: :func:`cell_direction`.
 LIDAR = record(
     ("range", "f4", (SCAN_BLOCK, SCAN_COLUMNS)),  # m, along each ray; 0: nothing came back
-    ("row", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # of the scan: the first of them
+    ("row", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first of these rows, counted in the scan
     ("fresh", FLAG),  # they are of this cycle
 )
 
@@ -89,7 +89,7 @@ SENSED = record(
     ("specific_force_B", "f8", (3,)),  # m/s2, B: acceleration of the centre of mass without gravity
     ("height_above_ground", "f8"),  # m, of the centre of mass above the ground below
     ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the ideal inertial unit
-    ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, counted by it
+    ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, by the ideal unit
     ("inertial", INERTIAL),  # of the inertial unit, some cycles old
     ("stars", STARS),  # of the star tracker
     ("radar", RADAR),  # of the landing radar
@@ -109,7 +109,7 @@ IMAGER = record(
     ("place", "f8", (3,)),  # m, B
     ("tangent", "f8"),  # of half the field of view; 0: there is no such imager
     ("sigma", "f8"),  # m: standard deviation of a range; of the camera, which measures none, 0
-    ("sigma_square", "f8"),  # 1/m: added to it, times the square of the range
+    ("sigma_square", "f8"),  # 1/m: added to sigma, times the square of the range
 )
 
 #: The imagers of a lander.

@@ -30,7 +30,7 @@ from platformdirs import user_cache_path
 
 from edl6dof.kernels.shipped import ARCHIVE, TARGET, is_usable, unpack
 
-#: numba's settings: a module whose names it makes when it is imported.
+#: numba's settings: a module whose attributes are created when it is imported.
 SETTINGS: Any = numba.config
 # numba also takes settings, among them the folder whose machine code it runs, from a file of the current
 # folder, which may be a received one: only the environment counts here
@@ -40,11 +40,11 @@ if SHIPPED := SETTINGS.CPU_NAME is None and is_usable():  # all code is for the 
     SETTINGS.CPU_NAME, SETTINGS.CPU_FEATURES = TARGET, ""
 PACKAGE = Path(__file__).resolve().parents[1]
 
-#: Members of these families are passed to flights as functions: no other machine code follows from them.
+#: Members of families here are passed to flights as functions: no other machine code depends on them.
 _WITH_MEMBERS = tuple(str(PACKAGE / room) for room in ("fsw", "sensors", "vehicle/faults"))
 #: numba's settings that change machine code and are not in its own key.
 _FLAGS = ("BOUNDSCHECK", "DEBUGINFO_DEFAULT", "LOOP_VECTORIZE", "OPT", "SLP_VECTORIZE")
-#: Age (s) at which a folder that was not used goes: 30 days.
+#: Age (s) since the last use at which a folder is removed: 30 days.
 OLDEST_S = 30.0 * 86400.0
 #: Room (bytes) that must be free on the disk: all code of the package takes half.
 NEEDED_B = 256 << 20
@@ -62,12 +62,12 @@ _changed: set[tuple[Path, str]] = set()
 
 #: Content of the plugins of this process by absolute path: the bytes that run.
 received: dict[str, bytes] = {}
-#: Those of them that are compiled with the loop, not passed to it.
+#: Content of the plugins that are compiled with the loop, not passed to it.
 _in_loop: list[bytes] = []
 
 
 def receive(path: Path, content: bytes, *, in_loop: bool) -> None:
-    """Take ``content`` for that of the plugin ``path``; ``in_loop``: it is compiled with the loop."""
+    """Register the ``content`` of the plugin ``path``; ``in_loop``: the plugin is compiled with the loop."""
     received[str(path)] = content
     if in_loop:
         _in_loop.append(content)
@@ -76,8 +76,8 @@ def receive(path: Path, content: bytes, *, in_loop: bool) -> None:
 
 @cache
 def stamp(file: str) -> str:
-    """Hash of a source, its place, and the sources of the package that it imports; empty if it is not known,
-    or if one was written after this process began, which may have imported another version.
+    """Hash of a source file, its path, and the sources of the package that it imports.  Empty if a source
+    cannot be read, or was written after this process began: the process may have imported another version.
     """
     try:
         if file not in received and os.stat(file).st_mtime > _STARTED:
@@ -111,7 +111,7 @@ def _is_member(file: str) -> bool:
 
 
 def hash_of(*parts: str | bytes) -> str:
-    """Hash of some parts and of where each ends."""
+    """Hash of some parts and of the boundaries between them."""
     found = sha256()
     for part in parts:
         content = part.encode() if isinstance(part, str) else part
@@ -158,7 +158,7 @@ def _root() -> Path | None:
 
 
 def _can_be_written(place: Path) -> bool:
-    """Return True if only this user can write to the folder; its files are executed."""
+    """Return True if this user, and no other, can write to the folder, since its files are executed."""
     if not place.is_absolute():  # a user without a home
         return False
     try:
@@ -180,7 +180,7 @@ def _user() -> int:
 
 @cache
 def say_once(message: str) -> None:
-    """One line on standard error, once in a process."""
+    """Print a line on standard error, once in a process."""
     print(f"edl6dof: {message}", file=sys.stderr)
 
 
@@ -197,7 +197,7 @@ def _drop(file: Path) -> None:
 
 
 def _is_sound(file: Path) -> bool:
-    """Return True if a file has its sealed content, or has no seal and ends like a pickle."""
+    """Return True if the content of a file fits its seal, or the file has no seal and ends like a pickle."""
     try:
         content = file.read_bytes()
     except OSError:  # another process has removed it
@@ -221,9 +221,7 @@ def experimental() -> Iterator[None]:
 
 
 def compiled(call: Callable[..., Any], *given: Any, **named: Any) -> Any:
-    """Result of a call that may compile, which is repeated if code cannot be read, or is not kept if it
-    cannot be written.
-    """
+    """Result of a call that may compile; the call is repeated if machine code cannot be read or written."""
     with experimental():
         try:
             return call(*given, **named)
@@ -252,7 +250,7 @@ def written() -> None:
 
 
 class Locator:
-    """Tells numba where the machine code of a kernel is kept (``NUMBA_CACHE_LOCATOR_CLASSES``)."""
+    """Place of the machine code of a kernel, for numba (``NUMBA_CACHE_LOCATOR_CLASSES``)."""
 
     def __init__(self, function: Any, file: str, place: Path) -> None:
         self._py_file = file  #: numba's warnings name it
@@ -262,12 +260,12 @@ class Locator:
 
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> Locator | None:
-        """The locator of a variant of a kernel; ``None`` where its code cannot be kept."""
+        """Locator of a variant of a kernel; ``None`` where no machine code can be stored."""
         place = folder()
         return None if place is None else cls(function, file, place)._examined()
 
     def _examined(self) -> Locator:
-        """Remove damaged files of the function; print a line if it has none."""
+        """Remove damaged files of the function; print a line if it has no files and must be compiled."""
         own = [name for name in _left_behind(self._folder).get(self._name, ()) if self._stamp in name]
         for name in own:
             if not _is_sound(self._folder / name):
@@ -298,7 +296,7 @@ class Locator:
         return ""
 
     def get_disambiguator(self) -> str:
-        """File and sources."""
+        """Hashes of path and sources, for the names of files."""
         return f"{self._of}-{self._stamp}"
 
 
@@ -308,7 +306,7 @@ def _stamps(function: Any) -> list[str]:
 
 @cache
 def _left_behind(place: Path) -> dict[str, list[str]]:
-    """Names of the files at first sight, by function."""
+    """Names of the files in the folder when this process first lists it, by function."""
     found: dict[str, list[str]] = {}
     for name in os.listdir(place):
         found.setdefault(name.rpartition("-")[0], []).append(name)
@@ -318,7 +316,7 @@ def _left_behind(place: Path) -> dict[str, list[str]]:
 @contextmanager
 def in_own_folder(function: Any) -> Iterator[bool]:
     """Make numba ask :class:`Locator` for the place of a variant of a kernel, without effect on other users
-    of numba; yield whether it can be kept.
+    of numba; yield True if the machine code can be stored.
     """
     before = SETTINGS.CACHE_LOCATOR_CLASSES
     SETTINGS.CACHE_LOCATOR_CLASSES = f"{__name__}.{Locator.__name__}"

@@ -55,18 +55,18 @@ class _Signature(type(NOTHING())):  # type: ignore[misc]  # numba's class, which
     __slots__ = ("title",)
 
     def __eq__(self, other: object) -> bool:
-        """By title: those that another process has written into an index have no arguments here."""
+        """Compare by title: signatures that another process wrote into an index have no arguments here."""
         return self.title == other.title if isinstance(other, _Signature) else NotImplemented
 
     def __hash__(self) -> int:
         return hash(self.title)
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
-        """The name of the function's type stands for it."""
+        """Pickle as the name of the function's type."""
         return _signature_of, (self.title,)
 
     def __unliteral__(self) -> _Signature:
-        """Itself: numba's own would forget the names of the arguments."""
+        """Return itself: numba's own method would lose the names of the arguments."""
         return self
 
 
@@ -89,11 +89,11 @@ class Passed(types.FunctionType):
 
     @property
     def key(self) -> str:
-        """Its name."""
+        """Name of the type, by which numba identifies it."""
         return self.title
 
     def __reduce__(self) -> tuple[Callable[..., Any], tuple[str]]:
-        """Its name stands for it on disk."""
+        """Pickle as the name of the type."""
         return _named, (self.title,)
 
 
@@ -109,8 +109,8 @@ def function_type(title: str, names: Iterable[str], returns: types.Type, *argume
 
 
 def _named(title: str) -> Passed:
-    """The type of this name; one of another process, whose records have other layouts, keeps its name, which
-    numba writes back into its index.
+    """Type of this name.  A type of another process, whose records have other layouts, is made with its name
+    only, which numba writes back into its index.
     """
     return _known.get(title) or Passed(title, (), NOTHING)
 
@@ -123,8 +123,8 @@ register_model(Passed)(FunctionModel)
 
 
 class Given(NamedTuple):
-    """A kernel that a flight gives to the loop: numba sees a function of its type; for the kernel itself it
-    would compile another loop.
+    """A kernel that is passed to the loop as a value of a function type; for the kernel itself numba would
+    compile another loop.
     """
 
     kernel: Any

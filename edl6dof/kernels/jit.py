@@ -1,4 +1,6 @@
-"""The ``@kernel`` decorators: compiled, cached functions that hold no GIL and round the same everywhere."""
+"""The ``@kernel`` decorators: compiled, cached functions that release the GIL and give the same bits on every
+machine.
+"""
 
 from __future__ import annotations
 
@@ -118,7 +120,7 @@ def _require_same_bits(function: Callable[..., Any]) -> None:
     """Refuse a kernel that names a function of the C library, of numpy or of BLAS.
 
     Raises:
-        TypeError: it does.
+        TypeError: the kernel names one.
     """
     used, known = function.__code__.co_names, function.__globals__
     libraries = {"math", "numpy"} & {getattr(known.get(name), "__name__", "") for name in used}

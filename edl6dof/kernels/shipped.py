@@ -1,7 +1,7 @@
 """Machine code that a wheel brings: numba's files of all kernels that the shipped scenarios fly.
 
 ``tools/wheel_with_code.py`` makes the archive.  It is unpacked once into the user's folder for machine code;
-what it does not hold, or was made by another version of numba, is compiled as without it.
+code that the archive lacks, or that another version of numba made, is compiled as usual.
 """
 
 from __future__ import annotations

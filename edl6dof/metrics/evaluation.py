@@ -7,10 +7,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from edl6dof.config.errors import Named, UnknownName
+from edl6dof.config.text_table import text_table
 from edl6dof.config.units import split_unit
 from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Flown, Source, figure_of_merit
 from edl6dof.spatial.arrays import interpolate
@@ -26,6 +28,37 @@ AT_EVENTS = (
     *("speed_m_s", "total_alpha_deg"),
 )
 
+Number = TypeVar("Number", bound=float | None)
+
+
+class Figures(Named[Number]):
+    """Figures of merit of a flight by name with unit suffix, as items and as attributes, which print as a
+    table of name, value, unit and meaning.
+
+    Raises:
+        UnknownName: on access to an item that the flight does not have.
+        AttributeError: on access to an attribute that it does not have.
+    """
+
+    def __init__(self, values: Mapping[str, Number]):
+        """``values``: in the order of the table; ``None`` for one that could not be computed."""
+        super().__init__("figure", values)
+
+    def __getattr__(self, name: str) -> Number:
+        if name in self:
+            return self[name]
+        raise AttributeError(str(UnknownName("figure", name, self)))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self]
+
+    def __repr__(self) -> str:
+        rows = [("figure", "value", "unit", "meaning")]
+        for name, value in self.items():
+            about = figure_of_merit(name)
+            rows.append((name, "-" if value is None else f"{value:.6g}", about.unit.label, about.meaning))
+        return text_table(rows, right=(1,))
+
 
 @dataclass(frozen=True)
 class Check:
@@ -39,24 +72,24 @@ class Check:
 
     @property
     def ok(self) -> bool:
-        """True if the limit is kept; NaN does not keep it."""
+        """True if the value is within the limit; NaN is not."""
         return bool(self.value <= self.limit)
 
     @property
     def of_balance(self) -> bool:
-        """True if it tests the simulator and not the mission."""
+        """True if the limit is that of a balance, which tests the simulator and not the mission."""
         return figure_of_merit(self.figure).source == "balance"
 
     @property
     def told(self) -> str:
-        """Words for it in the outcome; a broken balance with its numbers."""
+        """Text on a violated limit for the outcome; that on a balance contains its numbers."""
         if not self.of_balance:
             return self.label
         return f"{self.label}: {self.value:.1e}, limit {self.limit:g} {self.unit}".rstrip()
 
 
 def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
-    """Every limit that is set and was reached, and every balance that is not kept."""
+    """Return every limit that is set and whose figure the flight has, and every violated balance."""
     bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
     bounds += [(figure, figure.allowed) for figure in BALANCES]
     found = [
@@ -68,7 +101,7 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
 
 
 def formed(flown: Flown, *sources: Source) -> dict[str, float]:
-    """Figures from telemetry and events that have one of the sources, as far as the flight came."""
+    """Compute the figures of these sources from telemetry and events, as far as the flight reached them."""
     wanted = (figure for figure in FIGURES if figure.source in sources and figure.form is not None)
     return {one.name: value for one in wanted if one.form and (value := one.form(flown)) is not None}
 
@@ -83,7 +116,7 @@ def event_and_quantity(name: str, events: Collection[str]) -> tuple[str, str] | 
 
 
 def event_figures(telemetry: Telemetry, wanted: Iterable[str], done: Mapping[str, float]) -> dict[str, float]:
-    """Figures at events of the flight.
+    """Compute figures that are quantities at events of the mission, such as ``bridle_cut_height_m``.
 
     Args:
         telemetry: rows of the flight.
@@ -114,7 +147,7 @@ def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict
 
 
 def relaxation_figures(relaxed: np.void) -> dict[str, float]:
-    """Figures of a ``RELAXED`` record; none where every constraint was kept."""
+    """Figures of the constraints that powered guidance relaxed (record ``RELAXED``); empty without any."""
     noted = np.flatnonzero(relaxed["t"] > 0.0)
     if not len(noted):
         return {}
@@ -143,7 +176,7 @@ def deployment_figures(
 
 
 def _place(rows: Telemetry, t: float) -> tuple[float, float]:
-    """Latitude and longitude, rad, at time ``t`` (s) on the straight lines between one or two rows."""
+    """Latitude and longitude, rad, of one row, or interpolated linearly between two at time ``t`` (s)."""
     latitude, longitude = (np.radians(rows[f"truth.{axis}_deg"]) for axis in ("latitude", "longitude"))
     without_jump = np.unwrap(longitude) if np.ptp(longitude) > pi else longitude
     return float(interpolate(t, rows["t_s"], latitude)), float(interpolate(t, rows["t_s"], without_jump))

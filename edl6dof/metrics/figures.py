@@ -18,7 +18,7 @@ from edl6dof.config.units import Unit, split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
 
 if TYPE_CHECKING:
-    from edl6dof.telemetry.columns import Telemetry  # whose kernels a report need not load
+    from edl6dof.telemetry.columns import Telemetry  # a report need not load its kernels
 
 #: Last seconds of the trim phase, in which its limit cycle is measured.
 LIMIT_CYCLE_S = 30.0
@@ -36,12 +36,12 @@ Form = Callable[[Flown], float | None]
 
 
 def at(event: str) -> Form:
-    """Time of an event."""
+    """Return the form of a figure that is the time (s) of an event."""
     return lambda flown: flown.when.get(event)
 
 
 def between(since: str, *until: str) -> Form:
-    """Time from one event to the first of others."""
+    """Return the form of a figure that is the time (s) from one event to the first of others."""
 
     def form(flown: Flown) -> float | None:
         ends = [flown.when[event] for event in until if event in flown.when]
@@ -51,9 +51,10 @@ def between(since: str, *until: str) -> Form:
 
 
 def value(event: str, *channels: str, added: bool = False, before: bool = False) -> Form:
-    """A channel at an event; of several the length of their vector, or the sum of two (``added``).
+    """Return the form of a figure that is a channel at an event; of several channels the length of their
+    vector, or the sum of two (``added``).
 
-    ``before``: in the row before the event, in which the estimate contains no shock of the contact.
+    ``before``: take the row before the event, in which the estimate contains no shock of the contact.
     """
 
     def form(flown: Flown) -> float | None:
@@ -70,9 +71,9 @@ def value(event: str, *channels: str, added: bool = False, before: bool = False)
 
 
 class Part(NamedTuple):
-    """Rows of a flight: those of the phases of a role, from ``after_s`` seconds after an event (``later``:
-    after these), until another event.  Events go by their milestones.  The default is the whole flight; there
-    are no rows without the event ``needs``.
+    """Rows of a flight: those of the phases of a role, from ``after_s`` seconds after the event ``since``
+    (``later``: without a row at exactly that time) until the event ``until``.  Events are named by
+    milestones.  The default is the whole flight; without the event ``needs`` there are no rows.
     """
 
     role: str = ""
@@ -83,7 +84,7 @@ class Part(NamedTuple):
     needs: str = ""
 
     def rows(self, flown: Flown) -> Telemetry:
-        """Return the rows."""
+        """Return the telemetry of these rows."""
         telemetry, when, _ = flown
         if self.needs and self.needs not in when:
             return telemetry.rows(0, 0)
@@ -99,7 +100,9 @@ class Part(NamedTuple):
 
 
 def over(part: Part, extreme: Literal["largest", "longest", "nearest"], *channels: Any) -> Form:
-    """Extreme of channels over rows, by a method of :class:`edl6dof.telemetry.columns.Telemetry`."""
+    """Return the form of an extreme of channels over rows; ``extreme``: method of
+    :class:`edl6dof.telemetry.columns.Telemetry`.
+    """
 
     def form(flown: Flown) -> float | None:
         rows = part.rows(flown)
@@ -109,7 +112,7 @@ def over(part: Part, extreme: Literal["largest", "longest", "nearest"], *channel
 
 
 def swing(parts: Sequence[Part], rate: str, roll: str, angle: str) -> Form:
-    """Largest magnitude of a rate without its part that is banking, in the lift phases alone."""
+    """Return the form of the largest body rate (magnitude) without the part due to banking, in lift."""
 
     def form(flown: Flown) -> float | None:
         found = [part.rows(flown).fastest_swing(rate, roll, angle) for part in parts]
@@ -132,7 +135,7 @@ def _trim(flown: Flown) -> Telemetry | None:
 
 
 def limit_cycle(flown: Flown) -> float | None:
-    """Largest attitude error at the end of the trim phase; S1 requires a deadband below 5 deg."""
+    """Largest attitude error (deg) at the end of the trim phase; S1 requires a deadband below 5 deg."""
     if (phase := _trim(flown)) is None:
         return None
     times = phase["t_s"]
@@ -141,7 +144,7 @@ def limit_cycle(flown: Flown) -> float | None:
 
 
 def trim_propellant(flown: Flown) -> float | None:
-    """Propellant used in the trim phase."""
+    """Propellant (kg) used in the trim phase."""
     return None if (phase := _trim(flown)) is None else propellant(Flown(phase, flown.when, flown.roles))
 
 
@@ -166,7 +169,7 @@ def bank_reversals(flown: Flown) -> float | None:
 
 
 def bank_zero(flown: Flown) -> float | None:
-    """Time at which bank is first commanded to zero."""
+    """Time (s) at which bank is first commanded to zero."""
     bank, before = _bank(flown)
     rows = np.flatnonzero(bank[before:] == 0.0)
     return float(Part(LIFT).rows(flown)["t_s"][rows[0]]) if len(rows) else None
@@ -185,7 +188,7 @@ class FigureOfMerit(NamedTuple):
     """One figure of a flight.
 
     Attributes:
-        name: with unit suffix; figures of a flight, ``published`` values and columns of campaigns have it.
+        name: name with unit suffix, also of ``published`` values and of columns of campaigns.
         meaning: its name in reports.
         source: ``events``: time of an event, or state at it; ``telemetry``: rows of a part of the flight;
             ``navigation``: error of the estimate; ``peaks``: largest loads of all steps; ``contact``: located
@@ -194,8 +197,8 @@ class FigureOfMerit(NamedTuple):
             the sum of its causes.
         limit: parameter of the scenario's ``limits`` that is its upper bound; empty for none.
         allowed: upper bound in every scenario, for a figure that tests the simulator and not the mission.
-        form: form that computes it, if telemetry and events suffice.
-        clearance: True if the smallest value is the worst; otherwise the largest in size is.
+        form: function that computes it from a :class:`Flown`, if telemetry and events suffice.
+        clearance: True if the smallest value is the worst; otherwise the value of largest magnitude is.
     """
 
     name: str
@@ -284,7 +287,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
        form=over(_SEPARATED, "nearest", _place("site"), _place("backshell")), clearance=True),
     _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry",
        clearance=True),
-    _F("min_overhead_m", "least way aside of what is above the lander, from hover on", "telemetry",
+    _F("min_overhead_m", "least distance aside of parts above the lander, from hover on", "telemetry",
        clearance=True),
     _F("coarse_parts", "parts that the landing image was cut into", "telemetry"),
     _F("coarse_obstacles", "share of obstacles in the part that was taken", "telemetry"),
@@ -298,7 +301,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("spot_false_safe", "chosen as safe with a rock of half a metre under it", "telemetry"),
     _F("spot_miss_m", "touchdown from the chosen spot on the ground", "telemetry"),
     _F("constraints_relaxed", "constraints that powered guidance relaxed, in their order", "telemetry"),
-    _F("landing_error_m", "expected landing error with these relaxed", "telemetry"),
+    _F("landing_error_m", "expected landing error with the relaxed constraints", "telemetry"),
     _F("powered_deceleration_s", "time in powered deceleration", "events",
        form=between("backshell", begun(HOVER_IMAGING))),
     _F("powered_duration_s", "time in powered descent", "events", form=between("backshell", "touchdown")),
@@ -361,8 +364,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("time_to_detect_s", "time from a thruster's fault to its diagnosis", "diagnosis"),
     _F("instrument_false_alarms", "healthy instruments excluded", "exclusions"),
     _F("time_to_exclude_s", "time from an instrument's fault to its exclusion", "exclusions"),
-    # a force that jumps inside a step, as where a riser pulls or a leg pushes, is known to half a step: that
-    # makes up to 1.1e-5 and 0.6 m/s in landings, against 1e-8 and 1e-4 m/s in entries
+    # the time at which a force jumps, as of a riser or a leg, is known to half a step: errors are up to
+    # 1.1e-5 and 0.6 m/s in landings, against 1e-8 and 1e-4 m/s in entries
     _F("energy_balance", "balance of energy", "balance", allowed=1e-4),
     _F("momentum_balance_m_s", "balance of momentum", "balance", allowed=2.0),
     # momentum is kept to rounding, 1e-12 m/s
@@ -376,12 +379,12 @@ LIMITS = tuple(figure for figure in FIGURES if figure.limit)
 #: Figures that have to be small in every flight.
 BALANCES = tuple(figure for figure in FIGURES if figure.source == "balance")
 _BY_NAME = {figure.name: figure for figure in FIGURES}
-#: Their names.
+#: Names of the declared figures.
 DECLARED = frozenset(_BY_NAME)
 
 
 def figure_of_merit(name: str) -> FigureOfMerit:
-    """The figure of a name; one not declared, as of another version, is described by its name."""
+    """Return the figure of a name; an undeclared one, as from another version, is described by its name."""
     return _BY_NAME.get(name) or FigureOfMerit(name, split_unit(name)[0].replace("_", " "), "telemetry")
 
 

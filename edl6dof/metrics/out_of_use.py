@@ -62,9 +62,9 @@ def diagnosis_figures(
     branches: Mapping[str, Sequence[str]],
     plant: np.void,
 ) -> dict[str, float]:
-    """Number of isolations of a healthy thruster or of a wrong kind of fault, of failed thrusters that were
-    not isolated, and time from the first thruster fault to the right isolation; as far as they exist.
-    ``branches``: thrusters of each propellant branch.
+    """Return the numbers of false alarms (isolations of a healthy thruster or with a wrong kind of fault) and
+    of failed thrusters that were not isolated, and the time (s) from the first thruster fault to the right
+    isolation, if there was one. ``branches``: thrusters of each propellant branch.
     """
     since: dict[tuple[str, str], float] = {}
     for fault, t in _begun(faults, plant):
@@ -87,7 +87,7 @@ def _begun(faults: Sequence[FaultParams], plant: np.void) -> list[tuple[FaultPar
     return [(fault, t) for fault, t in times if t != NOT_BEGUN]
 
 
-#: Number of the first instrument of each kind among all that navigation may take out of use, last kind first.
+#: Index of the first instrument of each kind among all that navigation may take out of use, last kind first.
 _FIRST: dict[Component, int] = {
     "inertial_unit": INERTIAL_UNIT,
     "star_tracker": STAR_TRACKER,
@@ -101,7 +101,7 @@ _FIRST: dict[Component, int] = {
 class Exclusion:
     """An instrument that went out of use, or came back."""
 
-    component: Component  # the inertial unit for all gyros at the end of their range
+    component: Component  # inertial_unit if all gyros are at the end of their range
     instrument: str
     back: bool
     t_s: float
@@ -138,7 +138,9 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
 def exclusion_figures(
     found: Sequence[Exclusion], faults: Sequence[FaultParams], components: Components, plant: np.void
 ) -> dict[str, float]:
-    """Healthy instruments excluded, and time from the first fault found to its exclusion, if any."""
+    """Return the number of healthy instruments excluded, and the time (s) from the first instrument fault
+    that was found to its exclusion, if there was one.
+    """
     since = {
         (fault.component, fault.acts_on(components)): t
         for fault, t in _begun(faults, plant)
@@ -146,7 +148,7 @@ def exclusion_figures(
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]
-    # that all gyros saturate isolates none of them
+    # saturation of all gyros isolates none of them
     wrong = [one for one in out if one not in right and one.component != "inertial_unit"]
     figures = {"instrument_false_alarms": float(len(wrong))}
     if right:

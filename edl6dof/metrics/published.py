@@ -30,14 +30,20 @@ class PublishedFigure(Params):
     in the unit of the figure's name.
     """
 
-    value: float | None = param(None, "as flown", record=False)
+    value: float | None = param(None, "value of the real flight", record=False)
     magnitude: float | None = param(
-        None, "as flown, where its sign was not printed or counts in another frame", record=False, ge=0.0
+        None,
+        "magnitude of the flown value, if its sign was not printed or is that of another frame",
+        record=False,
+        ge=0.0,
     )
     at_most: float | None = param(None, "requirement: the figure is no larger", record=False)
     at_least: float | None = param(None, "requirement: the figure is no smaller", record=False)
     sigma: float | None = param(
-        None, "standard deviation of the flown value, from its digits or its reading", record=False, gt=0.0
+        None,
+        "standard deviation of the flown value, from its printed digits or from reading a plot",
+        record=False,
+        gt=0.0,
     )
     evidence: Evidence = param(
         "flown",
@@ -46,7 +52,9 @@ class PublishedFigure(Params):
         record=False,
     )
     because: str | None = param(
-        None, "why flights of this model differ from it, where they do; validate tells it", record=False
+        None,
+        "cause of a difference between this model and the value; edl6dof validate prints it",
+        record=False,
     )
 
     @model_validator(mode="after")
@@ -103,12 +111,12 @@ class PublishedFigure(Params):
         return f"{self.bound} " if self.required else "+-" if self.magnitude is not None else ""
 
     def of(self, own: float) -> float:
-        """Figure of this flight to compare with it: a magnitude if one was published."""
+        """Figure of this flight to compare with the published one: its magnitude, if that was published."""
         return abs(own) if self.magnitude is not None else own
 
     def sigmas(self, own: float, deviation: float = 0.0) -> float | None:
-        """Difference of a figure to the flown value in standard deviations of the published value, and of the
-        figure (``deviation``) if it is a mean; ``None`` if the first is unknown.
+        """Difference of a figure to the flown value over their combined standard deviation: that of the
+        published value (``None`` is returned if it is unknown), and ``deviation`` if the figure is a mean.
         """
         if self.sigma is None:
             return None
@@ -123,7 +131,7 @@ class PublishedFigure(Params):
         return difference / width if width > 0.0 else copysign(inf, difference) if difference else 0.0
 
     def kept(self, own: float) -> bool | None:
-        """True if a requirement is kept, ``None`` where it is none; NaN keeps no requirement."""
+        """True if a requirement is met, ``None`` for a flown value; NaN meets no requirement."""
         if self.at_most is not None:
             return own <= self.at_most
         return own >= self.at_least if self.at_least is not None else None
@@ -134,7 +142,7 @@ Published = Mapping[str, float | PublishedFigure | None]
 
 
 class Beside(NamedTuple):
-    """A figure and what is published of it."""
+    """A figure and its published value or requirement."""
 
     figure: FigureOfMerit
     published: PublishedFigure

@@ -44,8 +44,8 @@ def touchdown_state(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     thrust axis from the vertical, as a rotation vector in B.
 
     Args:
-        cases: the truth of the flight, shape (1,).
-        plants: its plant, shape (1,).
+        cases: true parameters of the flight (``CASE``), shape (1,).
+        plants: state of its plant, shape (1,).
     """
     if not isfinite(plants["touchdown_time"][0]):
         return {}
@@ -190,10 +190,10 @@ def _in_N(outputs, q, rotation, v_B):
 def hazard_figures(
     case: np.ndarray, fsw: np.void, telemetry: Telemetry, landing: dict[str, float]
 ) -> dict[str, float]:
-    """Figures of the coarse and of the fine choice, as far as they were made.
+    """Return figures of the coarse and of the fine choice of a landing spot, as far as these were made.
 
     Args:
-        case: truth of the flight, shape (1,).
+        case: true parameters of the flight (``CASE``), shape (1,).
         fsw: final memory of the flight software.
         telemetry: its rows.
         landing: figures of the touchdown.
@@ -205,7 +205,7 @@ def hazard_figures(
         figures["coarse_parts"] = float(coarse["parts"])
         figures["coarse_obstacles"] = float(coarse["obstacles"][coarse["part"]])
         figures["coarse_clear_m"] = float(coarse["clear"][coarse["part"]])
-    # a flight continued from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of the time before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return figures
     error = telemetry.at(float(hazard["scan_t"]), "nav.error_east_m", "nav.error_north_m")
@@ -240,8 +240,8 @@ def _largest_rock(cases, east, north, up):
 def drift_figures(
     telemetry: Mapping[str, np.ndarray], when: Mapping[str, float], line_m: float
 ) -> dict[str, float]:
-    """Least distance of the lander from backshell and canopy after they have parted, and from hover on least
-    horizontal distance of what is above the lander.
+    """Least distance (m) of the lander from backshell and canopy after the separation; and, from hover on,
+    least horizontal distance (m) from those of them that are above the lander.
 
     The canopy is the point ``line_m`` above the backshell.  Both move on straight lines between two rows.
 
@@ -283,8 +283,8 @@ def balance_figures(cases: np.ndarray, plants: np.ndarray) -> dict[str, float]:
     """Errors of the balance of energy, of momentum, also at separations alone, and of mass.
 
     Args:
-        cases: the truth of the flight, shape (1,).
-        plants: its plant, shape (1,).
+        cases: true parameters of the flight (``CASE``), shape (1,).
+        plants: state of its plant, shape (1,).
     """
     return from_si("balance", _balance_errors(cases, plants))
 
@@ -299,8 +299,8 @@ def _potential(planet, t, r_I):
 @kernel
 def _balance_errors(cases, plants):
     """Errors of energy, momentum, separations and mass.  Energy counts from rest in I at the equator of the
-    ellipsoid; its error is a share of that at the start or of the work since, whichever is larger, and that
-    of mass a share of the mass at the start.
+    ellipsoid; its error is a share of the energy at the start or of the work since, whichever is larger.  The
+    error of mass is a share of the mass at the start.
     """
     case, plant, kept, planet = cases[0], plants[0], plants[0].balance, cases[0].planet
     v, v_start = take3(plant.y, VELOCITY), take3(kept.v_I, 0)

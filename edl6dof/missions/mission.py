@@ -53,7 +53,7 @@ class Mission:
         return self.plan.name
 
     def fly(self, workers: int | None, progress: Callable[[int, int], None]) -> list[Row]:
-        """A row for each dispersed flight, the same whatever the number of ``workers``."""
+        """Fly the mission; return a row for each dispersed flight, the same for any number of ``workers``."""
 
         def counted(done: int, row: Row) -> None:
             progress(done, self.plan.count)
@@ -67,8 +67,8 @@ def shipped_missions() -> list[str]:
 
 
 def _is_mission(name: str) -> bool:
-    """Return whether a shipped file has both sections; a variant that inherits its campaign is another flight
-    than the published one.
+    """Return whether a shipped file has both sections, ``published`` and ``campaign``; a variant that
+    inherits its campaign is another flight than the published one.
     """
     path = find_shipped("scenarios", name)
     if path is None or CAMPAIGN not in parse_document(path.read_text(encoding="utf-8"), name).data:
@@ -105,7 +105,7 @@ def load_mission(name: str, flights: int | None = None) -> Mission:
 
 
 def _status(document: Document, figures: Sequence[Beside]) -> dict[str, str]:
-    """Mark of each figure by its name."""
+    """Status mark of each published figure by its name."""
     found = {}
     for figure, _ in figures:
         places = (f"{PUBLISHED}.{figure.name}{key}" for key in _KEYS)
@@ -124,7 +124,7 @@ def _fitted(document: Document, figures: Sequence[Beside]) -> frozenset[str]:
 
 
 def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) -> list[float]:
-    """Return a figure of every flight in the form of the published one, ``nan`` if it was not reached."""
+    """Return a figure of every flight in the form in which it is published; ``nan`` if not reached."""
     values = (row.get(name) for row in rows)
     return [nan if value is None else published.of(float(value)) for value in values]
 
@@ -147,7 +147,7 @@ class Predicted(NamedTuple):
 
     @property
     def counted(self) -> bool:
-        """True if the published value is a flown one that flights can predict."""
+        """True if the published value is a flown value that flights can predict."""
         return self.published.counted
 
     @property

@@ -1,5 +1,5 @@
-"""The table of missions, the same on the terminal, on the page and in files, and the folder of a validation:
-the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
+"""The table of missions, the same on the terminal, in the documents and in files, and the folder of a
+validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def cells(one: Predicted) -> tuple[str, ...]:
 
 
 def predicted(one: Predicted) -> str:
-    """Mean and spread, with as many decimals as the spread has two digits."""
+    """Mean and standard deviation, with the decimals that show two digits of the latter."""
     if not one.flights:
         return "not reached"
     if not one.deviation > 0.0:
@@ -80,7 +80,7 @@ def remark(one: Predicted) -> str:
 
 
 def heading(mission: Compared) -> tuple[str, ...]:
-    """The row of a mission above those of its figures: numbers of flights and of predicted values."""
+    """Heading row of a mission in the table: numbers of flights and of predicted values."""
     share = inside(mission.predicted)
     return mission.name, counted(mission.flights, "flight"), *[""] * 4, f"{share.successes} of {share.trials}"
 

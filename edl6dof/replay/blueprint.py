@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     import rerun as rr
     import rerun.blueprint as rrb
 
-#: How long (s) a trail is.
+#: Time (s) of flight that a trail shows.
 TRAIL_S = 60.0
 SPACE = (10, 9, 12)
-#: What only other views show.
+#: Entities that only other views show.
 _FRAMES = ("near", "vehicle/attitude_frame")
 _NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", *_FRAMES)
-#: What belongs to one camera alone.
+#: Entities that belong to one camera alone.
 _OWN = ("camera/scale_bar",)
 _NOT_SITE = (*_FRAMES, "path", "markers", "labels", *_OWN)
 _NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", *_OWN)
@@ -35,13 +35,13 @@ class Layout:
     """Builds the blueprint of one recording, whose pages are those of the first flight.
 
     Attributes:
-        labels, roots: of the flights: name, empty where there is one flight, and entity of its own things.
+        labels, roots: name of each flight (empty if there is only one), and root entity of what it alone has.
         start, end, deploy: first and last place, and that of the parachute deployment if any, m in L.
-        span, spans: first and last time (s) of the flights, and of the pages that do not show all of it.
+        span, spans: first and last time (s) of the flights, and by page of each page that shows only a part.
         plots: keys of the plots that have data.
         ranges: first and last value on the axis of each plot, by page and key.
-        lanes: labels of the states of each lane, by page.
-        scales: meaning of 1 m of the arrows.
+        lanes: labels of the states, by page and lane.
+        scales: value that 1 m of each arrow stands for, as text.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Layout:
         self.scales = scales(self.flight, motion) if len(motion.t) > 2 else ""
 
     def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """Return all pages with data, that named ``active`` in front; the tour alone, as in a film."""
+        """Return all pages that have data, page ``active`` in front; page Tour alone, as for a film."""
         rrb, when = self.rrb, self.flight.when
         clock = rrb.TimePanel(
             timeline=pages.TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"
@@ -96,7 +96,7 @@ class Layout:
         return rrb.Blueprint(tabs, clock, auto_views=False, auto_layout=False, collapse_panels=True)
 
     def _with_lanes(self, page: rrb.Container) -> rrb.Container:
-        """A page with the phases of its own time and the events below."""
+        """Return a page with the lanes of its time span and the timeline of events below it."""
         rrb, name = self.rrb, str(page.name)
         texts = rrb.Tabs(self._text("Events"), self._text("Legend"), active_tab=0)
         below = rrb.Horizontal(self._lanes(name), texts, column_shares=[11, 8])
@@ -134,7 +134,7 @@ class Layout:
         return rrb.Horizontal(left, self._grid(pages.POWERED), column_shares=[5, 8], name=pages.POWERED)
 
     def _hazards(self) -> rrb.Container:
-        """The ground below the place from which it was scanned; chase and site."""
+        """Page on hazards: the scanned ground from above, the chase view, and the landed vehicle."""
         rrb, motion = self.rrb, self.motion
         row = int(np.searchsorted(motion.t, self.flight.when["scan"]).clip(0, max(len(motion.t) - 1, 0)))
         scanned = motion.centre[row] if len(motion.t) else np.zeros(3)
@@ -188,11 +188,11 @@ class Layout:
         return self._states(title, [pages.lane_of("thruster", name) for name in names], pages.THRUSTERS)
 
     def _states(self, title: str, lanes: Sequence[str], page: str) -> rrb.StateTimelineView:
-        """Some lanes in the time of a page."""
+        """View of some lanes over the time span of a page."""
         return self.rrb.StateTimelineView(contents=lanes, name=title, time_view=self._axis(page))
 
     def _lanes(self, page: str) -> rrb.StateTimelineView:
-        """The lanes of a page in the time of its plots, with the labels that have room."""
+        """View of the lanes of a page over the time span of its plots, with the labels that have room."""
         import rerun as rr
 
         page = page if page in self.spans else "Flight"
@@ -228,7 +228,7 @@ class Layout:
     def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
         views = []
         for plot in (plot for plot in pages.PAGES[page] if plot.key in self.plots):
-            # a plot that begins with powered descent shows that, on a page that has no time of its own
+            # on a page without its own time span, a plot that begins with powered descent shows that span
             time = pages.POWERED if plot.since == "backshell" and page not in self.spans else page
             views.append(self._plot(plot.key, _title(plot), time, len(plot.channels) > 1))
         columns = 3 if len(views) > 8 else columns
@@ -237,7 +237,7 @@ class Layout:
     def _scene(
         self, name: str, origin: str, contents: Sequence[str], place: Any, target: Any, **more: Any
     ) -> rrb.Spatial3DView:
-        """A view of some entities from one place to another."""
+        """View of some entities, from an eye at ``place`` towards ``target``."""
         rrb = self.rrb
         return rrb.Spatial3DView(
             origin=origin,
@@ -259,7 +259,9 @@ class Layout:
         labels: Sequence[str] = (),
         not_of_others: Sequence[str] = (),
     ) -> rrb.Spatial3DView:
-        """A view of the site without what is hidden, of every flight or of all others."""
+        """View of the site without the entities ``hidden``, and without ``not_of_others`` of the flights that
+        ``origin`` does not belong to.
+        """
         excluded = [f"- {root}/{part}/**" for root in self.roots for part in hidden]
         others = [root for root in self.roots if f"{root}/{origin.rpartition('/')[2]}" != origin]
         excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
@@ -268,15 +270,15 @@ class Layout:
         return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails)
 
     def _chase(self) -> rrb.Spatial3DView | rrb.Grid:
-        """The vehicle with everything that it hangs from; side by side if there are several."""
+        """View that follows vehicle and parachute; several flights side by side."""
         return self._each("camera", "Chase", _NOT_CHASE, pages.EYE)
 
     def _director(self) -> rrb.Spatial3DView | rrb.Grid:
-        """The director's picture; side by side if there are several flights."""
+        """View of the director's camera; several flights side by side."""
         return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), pages.TOUR_EYE)
 
     def _away(self) -> rrb.Spatial3DView:
-        """The part released last."""
+        """View that follows the part that was released last."""
         return self._view(
             "What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), pages.EYE, np.zeros(3)
         )
@@ -284,7 +286,7 @@ class Layout:
     def _each(
         self, camera: str, name: str, hidden: Sequence[str], eye: np.ndarray
     ) -> rrb.Spatial3DView | rrb.Grid:
-        """A view from the same camera of each flight."""
+        """View from the same camera of each flight, side by side."""
         titles, own = [f"{name}: {label}" if label else name for label in self.labels], (*_OWN, "camera/name")
         views = [
             self._view(title, f"{root}/{camera}", hidden, eye, np.zeros(3), not_of_others=own)
@@ -310,7 +312,9 @@ class Layout:
     def _aside(
         self, name: str, start: np.ndarray, off: float, above: float, below: float
     ) -> rrb.Spatial3DView:
-        """The path from ``start``, from its side; eye and target by its middle, in lengths of the path."""
+        """View of the path from ``start`` to the end from its side: the eye is ``off`` aside and ``above``
+        the middle of the path, the target ``below`` it, in lengths of the path.
+        """
         along, length, side = pages.course(start, self.end)
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
         place, target = middle - off * length * side + above * up, middle - below * up

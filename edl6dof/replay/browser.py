@@ -43,7 +43,7 @@ def page(recording: Path, title: str) -> bytes:
     """Return the HTML file of a recording.
 
     Raises:
-        ViewerFailed: the viewer's program cannot be had from the installed rerun.
+        ViewerFailed: the installed rerun does not provide the viewer's program.
     """
     script, wasm = _program()
     template = Template(
@@ -92,7 +92,7 @@ class PageServer(socketserver.ThreadingTCPServer):
         self.hosts = {f"{host}:{port}" for host in (HOST, "localhost", "[::1]")}
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Ignore a browser that hangs up."""
+        """Ignore a browser that closes its connection."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
 
@@ -121,7 +121,7 @@ class _Request(BaseHTTPRequestHandler):
     do_HEAD = do_GET
 
     def log_message(self, *_: Any) -> None:
-        """Say nothing for each request."""
+        """Write no log."""
 
 
 def serve(page: bytes) -> None:
@@ -134,7 +134,7 @@ def serve(page: bytes) -> None:
 
 
 def _open(url: str) -> None:
-    """Open a browser, if it can have a window, that is silent here and does not end with Ctrl-C."""
+    """Open a browser if there is a display; it prints nothing here, and Ctrl-C does not end it."""
     if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return  # Python would start a browser for terminals
     silent = subprocess.DEVNULL

@@ -1,9 +1,9 @@
-"""The cameras that follow a flight: one keeps all that still hangs together in the frame, another what fell
-away last, and the director's shots follow the stages of the flight.
+"""The cameras that follow a flight: one keeps vehicle and parachute in the frame, another the part that was
+released last, and the director's shots follow the stages of the flight.
 
-A camera is a frame that does not turn with what it follows: x level along the flight, z up.  Its origin and
-scale are centre and radius (m) of the sphere that it keeps in the frame, so that the eye stands still in it.
-The director's frame has x from the eye to the middle of the sphere.
+A camera is a frame that does not turn with the vehicle or part that it follows: x level along the flight, z
+up.  Its origin and scale are centre and radius (m) of the sphere that it keeps in the frame, so that the eye
+has a fixed place in this frame. The director's frame has x from the eye to the middle of the sphere.
 
 The director's shots.  Entry: slowly around the vehicle.  Under a parachute: all of it from below.  A
 separation: both parts, for as long as they are near.  Engines burning: from low beside.  Landing: from where
@@ -30,13 +30,14 @@ SEPARATION_S, CHANGE_S = 3.0, 2.5
 COLOUR, _ABOVE, _LONGEST, _STROKE = (225, 225, 225), 1.12, 0.7, 0.03
 #: Radius of the sphere around a vehicle in its diameters: room for flames and arrows.
 ROOM = 1.0
-#: How fast the director goes around during entry, deg/s, and from how far above the horizon it looks, deg.
+#: Rate at which the director's eye circles the vehicle during entry, deg/s, and its elevation, deg.
 CIRCLING_DEG_S, ENTRY_DEG = 1.0, 14.0
 #: Azimuth from the direction of flight and elevation of the eye under the parachute and under engines, deg.
 PARACHUTE_DEG, POWERED_DEG = (60.0, -14.0), (74.0, 3.0)
-#: From which height on it stands at the site, and how far from it, both in diameters of the vehicle.
+#: Height below which the director's eye stands on the ground, and its distance from the place of landing,
+#: both in diameters of the vehicle.
 LANDING_HEIGHT, LANDING_DISTANCE = 5.0, 4.0
-#: How high (m) above the ground the eye stays, and a person stands.
+#: Least height (m) of the director's eye above the ground: that of a standing person.
 CLEAR_M = 1.7
 
 
@@ -47,7 +48,7 @@ class Spheres(NamedTuple):
     radius: np.ndarray
 
     def with_(self, other: Spheres, where: np.ndarray) -> Spheres:
-        """Return the smallest spheres around both, at some rows."""
+        """Return the smallest spheres around these and, at the rows ``where`` (bool), around ``other``."""
         way = other.centre - self.centre
         apart = np.linalg.norm(way, axis=-1)
         radius = np.maximum(0.5 * (apart + self.radius + other.radius), np.maximum(self.radius, other.radius))
@@ -64,13 +65,13 @@ class Cameras(Recorder):
     """
 
     def statics(self) -> None:
-        """Write the flight's name below it, if there are several."""
+        """Write the name of the flight below the vehicle, if there are several flights."""
         if self.label:
             place = [0.0, 0.0, -1.12 - 0.15 * self.number]
             self.static(f"{self.root}/camera/name", self.point(place, self.label, self.own, 2.0))
 
     def motions(self) -> None:
-        """Write the frames of the cameras, and the bar."""
+        """Write the frames of the cameras, and the scale bar."""
         motion, turn = self.motion, facing(self.motion)
         self.poses(f"{self.root}/near", self.t, motion.centre)
         kept = steady(motion, together(motion))
@@ -83,7 +84,7 @@ class Cameras(Recorder):
         self.poses(f"{self.root}/tour", self.t, seen.centre, looking(motion, ahead), scale)
 
     def _scale_bar(self, radius: np.ndarray) -> None:
-        """Write a bar of a round length, and again when the scale of the camera has changed."""
+        """Write a bar of a round length (m), once more whenever the scale of the camera has changed."""
         rr, rows = self.rr, thin(self.t, SLOW_HZ)
         radius = radius[rows]
         anew = np.append(True, np.abs(np.diff(np.round(np.log(radius) / 0.02))) > 0)
@@ -104,12 +105,12 @@ class Cameras(Recorder):
 
 
 def cubed(size: np.ndarray) -> np.ndarray:
-    """Return one scale for all three axes, shape (rows, 3)."""
+    """Return a scale, shape (rows,), for all three axes, shape (rows, 3)."""
     return np.repeat(size[:, None], 3, axis=1)
 
 
 def together(motion: Motion) -> Spheres:
-    """Return spheres around the vehicle and its canopy, until shortly after the release."""
+    """Return spheres around the vehicle, and until shortly after its release also around the canopy."""
     size = ROOM * motion.shape.size
     kept = Spheres(motion.centre, np.full(len(motion.t), size))
     canopy = parachute(motion)
@@ -121,7 +122,7 @@ def together(motion: Motion) -> Spheres:
 
 
 def away(motion: Motion) -> Spheres:
-    """Return spheres around the part released last; before, around the vehicle."""
+    """Return spheres around the part released last; before the first release, around the vehicle."""
     size = ROOM * motion.shape.size
     centre, radius = motion.centre.copy(), np.full(len(motion.t), size)
     shield, free = motion.released(motion.heat_shield), motion.released(motion.backshell)
@@ -137,7 +138,7 @@ def away(motion: Motion) -> Spheres:
 
 
 def parachute(motion: Motion) -> Spheres | None:
-    """Return spheres around canopy and lines; ``None`` for a flight without."""
+    """Return spheres around canopy and lines; ``None`` for a flight without a parachute."""
     centre, radius = np.full((len(motion.t), 3), np.nan), np.full(len(motion.t), np.nan)
     for flown in motion.parachutes():
         rows, place, turn, scale = motion.parachute(flown)
@@ -149,19 +150,19 @@ def parachute(motion: Motion) -> Spheres | None:
 
 
 def steady(motion: Motion, kept: Spheres) -> Spheres:
-    """Return spheres that hold ``kept`` and change smoothly about the vehicle around each cause."""
+    """Return spheres that contain ``kept``, with smooth changes of radius and of place from the vehicle."""
     from scipy.ndimage import maximum_filter1d, uniform_filter1d  # takes a fifth of a second to load
 
     shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
     calm = blend(motion.t, shift)
     needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
-    # no mean of the largest radii around a row is less than the row's own
+    # the mean of the largest radii around a row is at least the row's own radius
     largest = maximum_filter1d(needed, width, mode="nearest")
     return Spheres(motion.centre + calm, np.exp(uniform_filter1d(np.log(largest), width, mode="nearest")))
 
 
 def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return values, shape (rows,) or (rows, n), smoothed over the time of a change."""
+    """Return values, shape (rows,) or (rows, n), smoothed over the time that a camera takes to change."""
     from scipy.ndimage import uniform_filter1d
 
     for _ in range(2):
@@ -170,7 +171,7 @@ def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _rows_of_change(t: np.ndarray) -> int:
-    """Rows (odd) in which a camera changes."""
+    """Number of rows (odd) in the time that a camera takes to change."""
     step = (t[-1] - t[0]) / max(len(t) - 1, 1)
     return round(CHANGE_S / step) | 1 if step > 0.0 else 1
 
@@ -198,7 +199,7 @@ def round_down(values: np.ndarray) -> np.ndarray:
 
 
 def shots(motion: Motion, thrust_n: np.ndarray) -> tuple[Spheres, np.ndarray]:
-    """Return the spheres in the picture, and the eye's places (m in L), shape (rows, 3)."""
+    """Return the spheres that the director's camera shows, and its places (m in L), shape (rows, 3)."""
     kept, level, landing = steady(motion, _kept(motion)), facing(motion), _landing(motion)
     azimuth, elevation = _angles(motion, thrust_n > 0.0)
     distance = kept.radius / np.sin(np.radians(KEPT_DEG))
@@ -224,7 +225,7 @@ def looking(motion: Motion, ahead: np.ndarray) -> np.ndarray:
 
 
 def _kept(motion: Motion) -> Spheres:
-    """The vehicle with its canopy, and what falls away for as long as both are near."""
+    """Spheres around vehicle and canopy, and for seconds after a separation also around the released part."""
     kept, fallen = together(motion), away(motion)
     since = np.full(len(motion.t), np.inf)
     for part in (motion.heat_shield, motion.backshell):
@@ -235,7 +236,7 @@ def _kept(motion: Motion) -> Spheres:
 
 
 def _angles(motion: Motion, burning: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Azimuth from the direction of flight, and elevation, deg, shot by shot."""
+    """Azimuth of the director's eye from the direction of flight, and its elevation, deg, shape (rows,)."""
     azimuth = 74.0 + CIRCLING_DEG_S * (motion.t - motion.t[0])
     elevation = np.full(len(motion.t), ENTRY_DEG)
     canopy, free = motion.released(motion.canopy), motion.released(motion.backshell)
@@ -258,7 +259,7 @@ def _landing(motion: Motion) -> np.ndarray:
 
 
 def _stand(motion: Motion, level: np.ndarray, least_m: float) -> np.ndarray:
-    """A place on the ground next to the site, m in L."""
+    """Place of an eye above the ground next to the place of landing, at least ``least_m`` away, m in L."""
     azimuth = np.radians(POWERED_DEG[0])
     distance = max(LANDING_DISTANCE * motion.shape.size, least_m)
     way = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
@@ -275,8 +276,8 @@ def _above_ground(
     azimuth: np.ndarray,
     elevation: np.ndarray,
 ) -> np.ndarray:
-    """The eye's places (m in L), looking more from above where it would be under the ground."""
-    for _ in range(4):  # the ground is another one where the eye then is
+    """Places of the eye (m in L); its elevation is increased where it would be under the ground."""
+    for _ in range(4):  # the eye moves, and so does the ground below it
         flat = np.cos(elevation)
         way = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=-1)
         eye = centre + distance[:, None] * turns.rotate(level, way)
@@ -287,5 +288,7 @@ def _above_ground(
 
 
 def _nearest(before: np.ndarray, angle: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Angles (deg) with others at some rows, by whole turns such that the way there is short."""
+    """Angles (deg): ``angle`` at the rows ``where``, ``before`` elsewhere; whole turns are added so that each
+    change is at most half a turn.
+    """
     return np.unwrap(np.where(where, angle, before), period=360.0)

@@ -1,7 +1,7 @@
 """The plots over time, the thrusters' duty, and the phase planes with the zones of the controller at work.
 
 The viewer puts its ticks at multiples of a power of ten, and leaves out those that would stand closer than a
-line of text: of seven or more in a plot a sixth of a window high it shows the zero alone.
+line of text: of seven or more in a plot a sixth of a window high, only the one at zero remains.
 
 Phase planes have the attitude error (goal minus actual) across and the body's rate upwards (bank control
 subtracts the slow turn of the velocity frame).  Both axes are compressed beyond about one unit (arsinh), so
@@ -27,31 +27,31 @@ from edl6dof.telemetry.thinning import rows_to_draw
 if TYPE_CHECKING:
     import rerun as rr
 
-#: Telemetry columns that the plots show, of every flight and of one on instruments.
+#: Telemetry columns that the plots show: of every flight, and of a flight that navigates on instruments.
 _PLOTS = [plot for page, plots in PAGES.items() if page != NAVIGATION for plot in plots]
 COLUMNS = tuple(dict.fromkeys(name for plot in _PLOTS for name in plot.channels))
 NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.channels)
-#: Rows of a plot about at most: more than a screen has columns of pixels.
+#: Approximate limit on the rows of a plot: more than a screen has columns of pixels.
 MOST = 6000
 #: Most steps between ticks that a plot of the least height has room for.
 STEPS = 4.5
 #: Room above and below the curves, share of the range.
 ROOM = 0.06
 AXES = ("roll", "pitch", "yaw")
-#: Telemetry columns that the planes show.
+#: Telemetry columns that the phase planes show.
 PLANE_COLUMNS = (
     *(f"control.error_{axis}_deg" for axis in AXES),
     *(f"truth.rate_{axis}_deg_s" for axis in "pqr"),
 )
 TICKS = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
-#: Ends of the picture, deg and deg/s.
+#: Ends of the axes of a phase plane, deg and deg/s.
 REACH_DEG, REACH_DEG_S = 180.0, 40.0
 GRID, ZERO = (40, 40, 46), (86, 86, 94)
 Line = tuple[np.ndarray, tuple[int, int, int]]
 
 
 class Charts(Recorder):
-    """Writes ``/plots``."""
+    """Writes the plots over time, entity ``/plots``."""
 
     def statics(self) -> None:
         """Write names and colours of the series."""
@@ -63,7 +63,7 @@ class Charts(Recorder):
             self.static(self._entity(f"thruster_duty/{group}"), self._lines(lines))
 
     def motions(self) -> None:
-        """Write the series, in the time in which they are valid."""
+        """Write each series over the time in which it is valid."""
         for plot in shown(self.flight):
             t, curves = drawn(plot, self.flight)
             if len(t):
@@ -83,7 +83,9 @@ class Charts(Recorder):
         return [(group, names) for group, names in by_group.items() if names and set(names) <= flown]
 
     def _lines(self, lines: Sequence[tuple[str, str]]) -> rr.SeriesLines:
-        """Lines of some names and colours; with several flights, their labels and shades of theirs."""
+        """Look of lines (name, colour); with several flights, the flight's label is added, and shades of its
+        colour replace the colours.
+        """
         colours = np.array([rgb(colour) for _, colour in lines])
         if self.label:
             colours = np.outer(1.0 - 0.55 * np.arange(len(lines)) / len(lines), self.own).astype(int)

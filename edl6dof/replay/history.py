@@ -1,4 +1,4 @@
-"""The data of a replay: those rows of a flight that can be drawn, thinned."""
+"""The data of a replay: the rows of a flight with a finite place and attitude, thinned."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from edl6dof.scenario.schema import Scenario
     from edl6dof.telemetry.landing_map import LandingMap
 
-#: Rows kept per second.
+#: Rate of the thinned rows, Hz.
 POSE_HZ = 25.0
-#: Rows beyond which a flight keeps them all only near its events, and how near, s.
+#: Number of rows beyond which only those near an event are all kept, and time (s) from an event that is near.
 MANY, BESIDE_S = 30_000, 60.0
 
-#: Things with a place of their own, and the columns of all places and poses.
+#: Bodies that have columns of their place, and the columns of all places and poses.
 PARTS = ("site", "canopy", "heat_shield", "backshell")
 POSES = (
     *(f"truth.{one}_{axis}_m" for one in PARTS for axis in ("east", "north", "up")),
@@ -34,7 +34,7 @@ POSES = (
 
 
 class Flown(Protocol):
-    """A flight, or a run read back."""
+    """Interface of a flight, or of a run read back, to a replay."""
 
     @property
     def name(self) -> str:
@@ -42,11 +42,11 @@ class Flown(Protocol):
 
     @property
     def outcome(self) -> str:
-        """How it ended."""
+        """Outcome in words."""
 
     @property
     def success(self) -> bool:
-        """True if it reached its goal within all limits."""
+        """True if the flight reached its goal within all limits."""
 
     @property
     def scenario(self) -> Scenario:
@@ -62,32 +62,32 @@ class Flown(Protocol):
 
     @property
     def landing_map(self) -> LandingMap | None:
-        """The map of the ground and the choice on it, if it scanned the ground."""
+        """Map of hazard detection and the choice made on it; ``None`` without a scan."""
 
     @property
     def telemetry(self) -> Mapping[str, np.ndarray]:
-        """Columns by name."""
+        """Telemetry columns by name, shape (rows,)."""
 
 
 class History:
-    """One flight, thinned for the eye.
+    """One flight, thinned to the rows that a replay draws.
 
     Attributes:
-        t: time of the rows, s.
-        series: telemetry columns of plots by name, in single precision, and ``t_s``, at all rows that can be
-            drawn.
-        columns: telemetry columns by name at these rows, those that the flight has.
+        t: time of the thinned rows, s, shape (rows,).
+        series: telemetry columns of plots by name, in single precision, and ``t_s``, at all rows with a
+            finite place and attitude.
+        columns: telemetry columns by name at the thinned rows ``t``; those that the flight lacks are absent.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
         jets: names of the thrusters.
-        instruments: what was made of each instrument, at these rows; none where sensors are perfect.
-        failures: true state of the thrusters that fail, by name, at these rows; 0 works.
+        instruments: state of each instrument at the thinned rows; empty without navigation on instruments.
+        failures: true state of each thruster that fails, by name, at the thinned rows; 0 works.
         diagnosed: time (s) and words of the first isolation of each thruster, by its name.
-        landing_map: what the lander saw of the ground and chose on it; ``None`` without a scan.
+        landing_map: map of hazard detection and the choice made on it; ``None`` without a scan.
         when: time (s) of the first event of each key, and of the first phase of each role.
     """
 
     def __init__(self, flight: Flown, names: Iterable[str], plotted: Iterable[str] = ()) -> None:
-        """Take the columns ``names`` and those of the poses, thinned, and the columns ``plotted`` whole."""
+        """Take the columns ``names`` and those of poses, thinned, and the columns ``plotted`` at all rows."""
         table = flight.telemetry
         self.name, self.outcome, self.success = flight.name, flight.outcome, flight.success
         self.scenario, self.landing_map = flight.scenario, flight.landing_map
@@ -145,8 +145,8 @@ def vector(columns: Mapping[str, np.ndarray], stem: str, axes: str, suffix: str 
 
 
 def poses(t: np.ndarray, events: Iterable[float]) -> np.ndarray:
-    """Return the rows in which the vehicle is drawn: at ``POSE_HZ``, but about ``MANY`` of a flight of hours,
-    all those near its events and the others evenly spaced.
+    """Return the rows in which the vehicle is drawn: at ``POSE_HZ``; of a flight of hours about ``MANY`` of
+    these, namely all rows near its events and the others evenly spaced.
     """
     rows = thin(t, POSE_HZ)
     if len(rows) <= MANY:

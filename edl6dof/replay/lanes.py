@@ -1,4 +1,4 @@
-"""Lanes of states; and as text the timeline, the readout of the present stage, and the legend of colours."""
+"""Lanes (states over time); and, as text, timeline, readout of the present stage, and legend of colours."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
 FIRING = 0.02
 #: Least width of a page's lanes, and room that a letter takes, px.
 LANE_PX, LETTER_PX = 800.0, 6.6
-#: Letters of an event's name at most, so that its place has room.
+#: Most letters of an event's name, so that the column of its place has room.
 MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
@@ -49,7 +49,7 @@ class Field(NamedTuple):
     stages: tuple[str, ...] = STAGES
 
 
-#: By telemetry column, or by the name of what is worked out here.
+#: Fields by telemetry column, or by the name of a quantity that is computed here.
 READOUT = {
     "truth.altitude_m": Field("above ellipsoid", ",.0f", "m", AIR),
     "truth.height_m": Field("above ground", ",.1f", "m"),
@@ -69,7 +69,7 @@ READOUT = {
     "throttle": Field("throttle", ".0f", "%", (POWERED,)),
     "truth.propellant_kg": Field("propellant", ".1f", "kg"),
 }
-#: Lines left out for a vehicle that never has any of it.
+#: Fields that are left out if they are zero throughout the flight.
 _WHERE_ANY = ("truth.heat_flux_w_cm2", "truth.engine_thrust_n", "throttle", "truth.propellant_kg")
 COLUMNS = tuple(name for name in READOUT if "." in name)
 
@@ -85,11 +85,11 @@ class Lane(NamedTuple):
 class Lanes(Recorder):
     """Writes the lanes and ``/events``.
 
-    The viewer names a lane by the path of its entity, so that each lies at the top under a plain name.
+    The viewer names a lane by the path of its entity; therefore each lane is a root entity with a plain name.
     """
 
     def labels(self, spans: Mapping[str, tuple[float, float]]) -> Labels:
-        """Return the labels of the states of each lane that have room in the time (s) of each page."""
+        """Return, by page and lane, the labels of the states, blank without room in the page's time (s)."""
         return {
             page: {name: fitted(lane.changes, lane.values, span) for name, lane in self._states().items()}
             for page, span in spans.items()
@@ -123,21 +123,21 @@ class Lanes(Recorder):
         }
 
     def _thrusters(self) -> None:
-        """One lane each: firing or failed; pulses less than a second apart are one burst."""
+        """Write a lane for each thruster: firing or failed; pulses less than a second apart are one burst."""
         for k, jet in enumerate(self.flight.jets):
             failed = self.flight.failures.get(jet, np.zeros(len(self.t))) > 0
             firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
             self._switched(lane_of("thruster", jet), {"firing": (firing, FIRE), "failed": (failed, RED)})
 
     def _instruments(self) -> None:
-        """One lane each: in use, saturated or excluded; of a beam, whether its echo was used."""
+        """Write a lane for each instrument: in use, saturated or excluded; or, of a beam, its echo used."""
         for one in self.flight.instruments:
             shown = (state for state in one.states if state in STATES)
             states = {state: (one.holds(state), rgb(STATES[state])) for state in shown}
             self._switched(lane_of(one.kind, one.name), states)
 
     def _switched(self, name: str, when: dict[str, tuple[np.ndarray, RGB]]) -> None:
-        """Write a lane that is off except where one of the states, each with its rows and colour, holds."""
+        """Write a lane of the states in ``when``, each with its rows (bool) and colour; off elsewhere."""
         states, colours, code = ["off", *when], [OFF], np.zeros(len(self.t), int)
         for number, (holds, colour) in enumerate(when.values(), 1):
             code[holds] = number
@@ -154,7 +154,7 @@ class Lanes(Recorder):
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
     def _events(self) -> None:
-        """Write the timeline from before the last event, which is bold; below it, those to come."""
+        """Write the timeline: the last event in bold, the one before it above, and those to come below."""
         events = [event for event in self.flight.events if np.isfinite(event["t_s"])]
         if not events:
             return
@@ -171,7 +171,7 @@ class Lanes(Recorder):
 def fitted(
     changes: Sequence[tuple[float, str]], values: Sequence[str], span: tuple[float, float]
 ) -> list[str]:
-    """Return the labels of states that have room in a lane of this time (s); others are blank."""
+    """Return the label of each of ``values``, blank without room in a lane over the time ``span`` (s)."""
     first, last = span
     room = dict.fromkeys(values, 0.0)
     ends = [t for t, _ in changes[1:]] + [max(last, changes[-1][0])]
@@ -189,7 +189,7 @@ def _said(event: Any) -> str:
 
 
 def _table(lines: Sequence[Sequence[str]], now: int) -> str:
-    """A table of the events that begins one before number ``now``."""
+    """Table (Markdown) of the events from the one before number ``now``, which is bold."""
     rows = [[f"**{cell}**" if k == now and cell else cell for cell in line] for k, line in enumerate(lines)]
     body = [f"| {' | '.join(row)} |" for row in rows[max(now - 1, 0) :]]
     return "\n".join(["| time | event | where |", "|--:|:--|:--|", *body])
@@ -221,7 +221,7 @@ class Readout(Recorder):
             self._written(some, stages[some])
 
     def _written(self, rows: np.ndarray, stages: np.ndarray) -> None:
-        """Write the texts of some rows, whose stages are given."""
+        """Write the texts of some rows; ``stages``: number of the stage at each row."""
         lines = {name: self._line(field, values[rows]) for name, field, values in self._fields()}
         tables = []
         for k, stage in enumerate(stages.tolist()):

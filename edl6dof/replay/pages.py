@@ -36,7 +36,7 @@ PAGES: dict[str, tuple[p.Plot, ...]] = {
 }
 #: Pages of a vehicle with thrusters.
 OF_JETS = ("Control", THRUSTERS)
-#: Pages that show fast things: their plots end so long (s) before and after the present.
+#: Pages of fast processes, and the time (s) before and after the present that their plots show.
 AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
 #: Lanes of every page.
 PHASE, VEHICLE, ENGINE = "Phase", "Vehicle", "Engine"

@@ -20,9 +20,9 @@ from edl6dof.spatial import rotations as turns
 if TYPE_CHECKING:
     import rerun as rr
 
-#: Rate of everything that is not a pose.
+#: Rate of all series except poses, Hz.
 SCALAR_HZ = 12.5
-#: Rate of what is drawn as a line, or is a mean.
+#: Rate of series that are drawn as a line, or are a mean, Hz.
 SLOW_HZ = 6.25
 
 
@@ -30,7 +30,7 @@ class Recorder:
     """Writes one part of one flight.
 
     Attributes:
-        number: of this flight in the recording, from 0.
+        number: index of this flight in the recording, from 0.
         label: name of this flight among others in the recording; empty when it is alone.
         own: colour of this flight among others.
         root: entity under which lies what belongs to this flight alone.
@@ -52,7 +52,7 @@ class Recorder:
         self.colours = np.array(PHASES, np.uint8)[place % len(PHASES)]
 
     def statics(self) -> None:
-        """Write timeless entities; first, so that a slow viewer has them from the beginning."""
+        """Write timeless entities, before all motions, so that a slow viewer has them from the beginning."""
 
     def motions(self) -> None:
         """Write everything that changes with time."""
@@ -87,7 +87,7 @@ class Recorder:
         data: dict[str, Any],
         each: np.ndarray | None = None,
     ) -> None:
-        """Log a series of one archetype with a constant look; ``each``: items of each row, if not one."""
+        """Log a series of one archetype with a constant look; ``each``: items in each row, by default one."""
         self.static(entity, kind.from_fields(**look))
         columns = kind.columns(**data)
         self.columns(entity, t, columns if each is None else columns.partition(each))
@@ -133,14 +133,14 @@ class Recorder:
         return [self.rr.Asset3D(contents=file.content, media_type=file.media_type), place]
 
     def shown(self, part: str | None, mesh: Mesh, **more: Any) -> list[Any]:
-        """Return a part as rerun archetypes; ``more`` applies to our own shape only."""
+        """Return a part as rerun archetypes: the user's mesh, or else ``mesh``, with the options ``more``."""
         return self.own_mesh(part) or [self.mesh(mesh, **more)]
 
     def point(self, place: Any, words: str, colour: Any, points: float = 4.0) -> rr.Points3D:
-        """Return a labelled point of one size on the screen."""
+        """Return a labelled point; ``points``: its size on the screen."""
         return self.rr.Points3D([place], labels=[words], colors=colour, radii=-points, show_labels=True)
 
 
 def and_next(shown: np.ndarray) -> np.ndarray:
-    """Return the rows (bool) with something to show, and those right after them, which end it."""
+    """Return the rows (bool) with something to show, and each row after them, which ends the display."""
     return shown | np.append(False, shown[:-1])

@@ -3,10 +3,10 @@
 Root ``/site``: east, north, up (m) at the landing site, so that single precision is fine where the vehicle
 lands. ``/site/vehicle`` is the body frame.  ``/site/camera`` follows the vehicle without turning with it and
 grows under the parachute: seen from it, capsule and canopy both fill the view; ``/site/camera_away`` follows
-what fell away; ``/site/tour`` is the director's.  Further flights lie under ``/site/flight_1``
-and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series, ``/phase_plane`` the phase
-planes, ``/Phase``, ``/Vehicle``, ``/Engine``, ``/Thruster-A1``, ``/Gyro-g1`` and so on the lanes, ``/events``
-the timeline, ``/legend`` what colours mean.
+the part released last; ``/site/tour`` is the frame of the director's camera.  Further flights lie under
+``/site/flight_1`` and so on. Root ``/globe``: planet-fixed, km.  ``/plots`` holds the time series,
+``/phase_plane`` the phase planes, ``/Phase``, ``/Vehicle``, ``/Engine``, ``/Thruster-A1``, ``/Gyro-g1`` and
+so on the lanes, ``/events`` the timeline, ``/legend`` the meaning of the colours.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def write_replay(
     page: str = "Flight",
     ensemble: Ensemble | None = None,
 ) -> None:
-    """Write flights to the site of the first as one recording (.rrd), with ``page`` in front.
+    """Write flights, in the landing-site frame of the first, as one recording (.rrd) with ``page`` in front.
 
     ``labels`` distinguish several flights, or one from the trajectories of a campaign in ``ensemble``; a
     flight alone needs none.
@@ -81,10 +81,10 @@ def write_replay(
             part.statics()
         if ensemble is not None:
             write_ensemble(recording, ensemble)
-        recording.flush()  # or the viewer would find them at the end of the file
+        recording.flush()  # otherwise the viewer would find them at the end of the file
         for part in parts:
             part.motions()
-            recording.flush()  # or it would hold all of them at once
+            recording.flush()  # otherwise it would keep all of them in memory
     pa.default_memory_pool().release_unused()
 
 
@@ -103,7 +103,7 @@ def recorded_span(path: Path) -> tuple[float, float]:
     """Return the first and last time (s) of the first flight in a recording.
 
     Raises:
-        ValueError: it knows of no flight.
+        ValueError: the recording contains no flight.
     """
     from rerun.chunk import RrdReader
 

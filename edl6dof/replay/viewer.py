@@ -27,7 +27,7 @@ from edl6dof.replay.pages import TIMELINE
 HOST = "127.0.0.1"
 STARTUP_S = 20.0
 
-#: Words of a viewer that cannot work here, and what to do about it.
+#: Messages of a viewer that cannot work on this machine, and an explanation of each.
 _LACKING = {
     "Failed to get render context": (
         "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
@@ -39,23 +39,23 @@ _LACKING = {
     "error while loading shared libraries": "a library of the system is missing",
 }
 
-#: Becomes the program after asking Linux to end it (PR_SET_PDEATHSIG, SIGKILL) with the process that started
-#: it, however that ends.
+#: Python code that becomes the program after asking Linux to kill it (PR_SET_PDEATHSIG, SIGKILL) when the
+#: process that started it ends in any way.
 _TIED = (
     "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); os.getppid() == int(sys.argv[1]) and "
     "os.execv(sys.argv[2], sys.argv[2:])"
 )
-#: After so long (s) a recording is loaded and notices of the start have faded; what changes for longer never
-#: settles.
+#: Time (s) in which a recording is loaded and the notices of the start fade; and time after which a picture
+#: that still changes counts as never finished.
 START_S, MOST_S = 2.5, 60.0
 #: Width and height of a picture and of a film in pixels.
 PICTURE, FILM = (1920, 1080), (1280, 720)
-#: Length (s), at most, of a film without a given length.
+#: Longest film (s) if no length is given.
 LENGTH_S = 60.0
 
 
 class ViewerFailed(RuntimeError):
-    """The viewer ended before its work was done, or does not do it."""
+    """The viewer ended before its work was done, or does not do its work."""
 
 
 class NoViewer(ViewerFailed):
@@ -73,19 +73,19 @@ class Program:
         self._process, self._log = process, log
 
     def wait(self) -> None:
-        """Wait until it ends by itself.
+        """Wait until the viewer ends by itself.
 
         Raises:
-            ViewerFailed: with an error.
+            ViewerFailed: the viewer ended with an error.
         """
         if self._process.wait():
             raise self._why_ended()
 
     def wait_for(self, port: int) -> None:
-        """Wait until it listens on a port.
+        """Wait until the viewer listens on a port.
 
         Raises:
-            ViewerFailed: it ends instead, or never does.
+            ViewerFailed: the viewer ends instead, or never listens.
         """
         end = time.monotonic() + STARTUP_S
         while time.monotonic() < end:
@@ -99,10 +99,10 @@ class Program:
 
     @contextmanager
     def asked(self) -> Iterator[None]:
-        """Report a failed request in the viewer's own words, if it has ended.
+        """Report a failed request by the viewer's own message, if the viewer has ended.
 
         Raises:
-            ViewerFailed: it does not do what it is asked for.
+            ViewerFailed: a request failed.
         """
         try:
             yield
@@ -133,7 +133,7 @@ def running(*options: str) -> Iterator[Program]:
     On Linux it also ends when the thread that started it does.
 
     Raises:
-        NoViewer: the installed rerun has none.
+        NoViewer: the installed rerun has no viewer program.
     """
     command = [str(_path()), "--bind", HOST, *options]
     if sys.platform == "linux":
@@ -158,7 +158,7 @@ def free_port() -> int:
 
 
 def _path() -> Path:
-    """The program of the installed rerun, without its wrapper ``python -m rerun``, which could outlive us."""
+    """The program of the installed rerun; its wrapper ``python -m rerun`` could outlive this process."""
     found = find_spec("rerun_cli")
     folder = Path(found.origin).parent if found is not None and found.origin is not None else Path()
     names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")
@@ -271,7 +271,7 @@ def encoder() -> str:
     """
     found = shutil.which("ffmpeg")
     if found is None and find_spec("imageio_ffmpeg") is not None:
-        with suppress(RuntimeError):  # the package came without a program for this machine
+        with suppress(RuntimeError):  # the package contains no program for this machine
             found = str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
     if found is None:
         raise NoFilm(

@@ -18,11 +18,11 @@ from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
 from edl6dof.telemetry.columns import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED, describe
 
-#: Claimed standard deviations at which bounds are drawn.
+#: Number of claimed standard deviations at which bounds are drawn.
 BOUND = 3.0
-#: Names of curves that are drawn dashed: what was asked for, claimed or believed, over what was.
+#: Names of curves that are drawn dashed: commanded or estimated values, over the true ones.
 _DASHED = ("commanded", "reference", "believed", "navigated, no wind", "above the areoid")
-#: Colours of what is made of an instrument; one without an echo has none.
+#: Colours of the states of an instrument; a radar beam without an echo has none.
 STATES = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: ORANGE, EXCLUDED: BAD}
 #: Words and colours of the classes of cells of a hazard map.
 CELLS: dict[str, tuple[str, str]] = {
@@ -37,13 +37,13 @@ class Plot(NamedTuple):
     """One plot over time.
 
     Attributes:
-        key: its name, and that of its entity in a recording.
-        title: without the unit.
-        curves: channels of one unit, and their names in the legend.
-        kilo: whether it is drawn in thousands of the channels' unit.
-        since, until: events between which it means something.
-        bounds: whether an error stands between its claimed standard deviations, where it is alone in a plot.
-        clip: whether a lone peak may lie beyond the axis.
+        key: name of the plot, and of its entity in a recording.
+        title: quantity, without the unit.
+        curves: names in the legend by channel; all channels have one unit.
+        kilo: True to draw in thousands of the channels' unit.
+        since, until: milestones between which the plot is valid; empty: start and end of the flight.
+        bounds: True to draw claimed standard deviations around an error that is alone in its plot.
+        clip: True if the axis may cut off a single peak.
     """
 
     key: str
@@ -69,7 +69,7 @@ class Plot(NamedTuple):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Channels that are drawn."""
+        """Channels that are drawn, the claimed standard deviation last."""
         return (*self.curves, *[self.sigma] * bool(self.sigma))
 
     @property
@@ -90,7 +90,7 @@ class Plot(NamedTuple):
         return found + [bound * columns[self.sigma][rows] for bound in bounds]
 
     def apart(self, since: str = "") -> tuple[Plot, ...]:
-        """Return one plot for each curve; ``since``: event at which it begins, if not that of all."""
+        """Return one plot for each curve; ``since``: event at which these begin, by default as this plot."""
         own = self._replace(since=since or self.since)
         return tuple(
             own._replace(key=f"{own.key}_{name}", title=f"{own.title}, {name}", curves={channel: name})
@@ -98,9 +98,10 @@ class Plot(NamedTuple):
         )
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
-        """Return the plot with the channels that a flight has, without unused commands and estimates.
+        """Return the plot with those of its channels that ``columns`` has; of commands and estimates only
+        those with a signal.
 
-        ``None`` if all of them are zero or absent.
+        ``None`` if no channel has a signal.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
@@ -109,18 +110,18 @@ class Plot(NamedTuple):
 
 
 def has_signal(values: np.ndarray) -> bool:
-    """Return True if any value is neither zero nor a gap."""
+    """Return True if any value is neither zero nor NaN."""
     return bool(np.any(np.nan_to_num(values) != 0.0))
 
 
 def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:
-    """Three channels by axis, ``{}`` in their name, and the names of the axes."""
+    """Map the channel of each axis, whose letter replaces ``{}``, to the name of the axis."""
     pairs = zip((letters or names).split(), names.split(), strict=True)
     return {channel.format(letter): name for letter, name in pairs}
 
 
 def _each_axis(key: str, title: str, curves: Mapping[str, str], clip: bool = False) -> tuple[Plot, ...]:
-    """A plot for each body axis, ``{}`` in the key and in the channels."""
+    """One plot for each body axis x, y, z, which replaces ``{}`` in the key and in the channels."""
     return tuple(
         Plot(key.format(axis), f"{title}, {name}", {c.format(axis): curve for c, curve in curves.items()},
              until="touchdown", clip=clip)
@@ -184,7 +185,7 @@ HEIGHT_ERROR = Plot("nav_height_m", "height error", {"nav.error_height_m": "erro
 INNOVATION = Plot("nav_innovation", "largest innovation", {
     "nav.range_innovation": "range", "nav.speed_innovation": "speed"}, since="heat_shield")
 # fmt: on
-#: All of them by key.
+#: All plots by key.
 CATALOGUE: dict[str, Plot] = {
     plot.key: plot
     for value in tuple(vars().values())
@@ -197,12 +198,12 @@ class Stack(NamedTuple):
     """Plots above each other in a report.
 
     Attributes:
-        caption: in which ``{name}`` stands for a figure of merit.
-        height: of a plot, px.
-        needs: channels of which one must have a signal, or an event that must have come.
-        since, until: events between which it is drawn, in the place of the plots' own.
-        around: times (s) from the event ``since`` between which it is drawn, if given.
-        above: channel and the value beyond which it is drawn, if given.
+        caption: text in which ``{name}`` is replaced by the figure of merit of that name.
+        height: height of each plot, px.
+        needs: channels of which one must have a signal, or an event that must have happened.
+        since, until: events between which the plots are drawn, instead of their own.
+        around: first and last time (s) that are drawn, relative to the event ``since``, if given.
+        above: channel and value, if given: only rows in which the channel exceeds the value are drawn.
     """
 
     key: str
@@ -242,7 +243,7 @@ PROPELLANT_AND_MASS = Stack("propellant", "Propellant and mass", (PROPELLANT, MA
     "{propellant_used_kg:.1f} kg used.", 180, ("truth.propellant_kg",))
 DISTURBANCE = Stack("disturbance_torque", "Disturbance torque", TORQUES,
     "Moment of {acting}, in body axes. A peak far above all other values, as of touchdown, is cut off.")
-#: By the section of a report that has nothing else.
+#: Stacks by section, for the sections of a report that consist of stacks alone.
 STACKS: dict[str, tuple[Stack, ...]] = {
     "guidance": (
         Stack("bank", "Bank angle", (BANK, RATES.apart()[0]), "{bank_reversals:.0f} bank reversals.", 230,
@@ -275,6 +276,22 @@ STACKS: dict[str, tuple[Stack, ...]] = {
     ),
 }
 # fmt: on
+#: Those that need no more than a flight, by key, in the order of its report.
+ALL_STACKS: dict[str, Stack] = {
+    stack.key: stack
+    for stack in (
+        *(OVERVIEW, *STACKS["guidance"]),
+        *(NAV_POSITION, NAV_ATTITUDE, NAV_LANDING, NAV_TOUCHDOWN, NAV_INNOVATION),
+        *(
+            *STACKS["attitude"],
+            TORQUE,
+            PROPELLANT_AND_MASS,
+            DISTURBANCE,
+            *STACKS["chute"],
+            *STACKS["landing"],
+        ),
+    )
+}
 
 
 class Columns(Protocol):
@@ -290,8 +307,8 @@ class Columns(Protocol):
 
 
 def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str]:
-    """Return the names of the columns that match, in the order of the patterns, or that the plot with this
-    key shows; ``place``: their owner, for messages.
+    """Return the names of the columns that match, in the order of the patterns; a pattern may also be the key
+    of a plot, and then matches the channels of the plot.  ``place``: owner of the columns, for messages.
 
     Raises:
         ConfigError: a pattern matches nothing.
@@ -310,7 +327,7 @@ def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str
 
 
 def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray) -> Figure:
-    """Draw one panel for each unit; ``rows``: those to show, shape (rows,), bool."""
+    """Draw channels over channel ``x``, one panel for each unit; ``rows``: rows to show, bool."""
     by_unit: dict[str, list[str]] = {}
     for name in channels:
         by_unit.setdefault(columns.unit(name), []).append(name)

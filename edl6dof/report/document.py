@@ -70,7 +70,7 @@ Block = Figure | Table | Text | Listing
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the report with an entry in the contents; keys are unique letters, digits and ``_``."""
+    """A part of the report with an entry in the contents; ``key``: unique, of letters, digits and ``_``."""
 
     key: str
     title: str
@@ -96,13 +96,14 @@ class Report:
 
 
 def significant(value: float, digits: int = 4) -> str:
-    """Format a number to some significant digits; large ones whole, not as 1.235e+04."""
+    """Format a number to ``digits`` significant digits; a larger one is written whole, not as 1.235e+04."""
     text = f"{value:.{digits}g}"
     return f"{value:.0f}" if "e+" in text else text
 
 
 def aligned(*values: float) -> list[str]:
-    """Format numbers with the same decimals: two digits of the span between them, and four at most in all.
+    """Format numbers with the same number of decimals: two digits of the span between them, but no decimals
+    beyond the fourth digit of the largest.
 
     >>> aligned(86.12345, 86.0, 86.9)
     ['86.12', '86.00', '86.90']

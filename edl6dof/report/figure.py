@@ -27,7 +27,7 @@ Dash = Literal["solid", "dash", "dot", "dashdot"]
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: title with unit, range if it is not that of the data, and names in the place of numbers."""
+    """An axis: title with unit, range (by default that of the data), and names that replace the numbers."""
 
     title: str
     range: tuple[float, float] | None = None
@@ -53,9 +53,9 @@ class Trace:
 
     Attributes:
         labels: words at the points, n of them.
-        colour: of the palette by order when empty.
+        colour: ``#rrggbb``; empty: the next colour of the palette.
         legend: whether the name is shown in the legend; traces of one name share an entry.
-        border: whether it is a limit or goal drawn for orientation, and not what was flown.
+        border: True for a limit or a goal, False for flown data.
     """
 
     x: np.ndarray
@@ -71,7 +71,7 @@ class Trace:
     border: bool = False
 
     def edges(self) -> np.ndarray:
-        """Return the ends of adjacent bars, shape (n + 1,); all have one width."""
+        """Return the ends of adjacent bars of equal width, shape (n + 1,)."""
         half = 0.5 * np.min(np.diff(self.x)) if len(self.x) > 1 else 0.5
         return np.append(self.x - half, self.x[-1:] + half)
 
@@ -88,8 +88,8 @@ class Heat:
     from ``low`` to ``high``.
 
     Attributes:
-        colours: the scale; with a title of none, one colour for each whole number from ``low`` to ``high``.
-        labels: words of each cell, shown where a reader points at it.
+        colours: colour scale; with an empty title, one colour for each whole number ``low`` to ``high``.
+        labels: text of each cell, shown when a reader points at the cell.
     """
 
     x: np.ndarray
@@ -121,7 +121,7 @@ class Heat:
 
 
 def cell_edges(centres: np.ndarray) -> np.ndarray:
-    """Return the edges of cells about their centres, one more than these; a single cell is 1 wide."""
+    """Return the edges of adjacent cells with these centres, shape (n + 1,); a single cell is 1 wide."""
     if len(centres) == 1:
         return centres[0] + np.array([-0.5, 0.5])
     half = 0.5 * np.diff(centres)
@@ -140,7 +140,7 @@ class Band:
     outline: bool = False
 
     def bounds(self, axis: Literal["x", "y"], span: tuple[float, float]) -> tuple[float, float] | None:
-        """Return the ends along an axis of range ``span``; ``None`` if the band crosses the panel."""
+        """Return the ends along an axis of range ``span``; ``None`` if the band has no bound along it."""
         low, high = self.x if axis == "x" else self.y
         if low is None and high is None:
             return None
@@ -204,7 +204,7 @@ class Panel:
         return low - room * (axis == "x" or not bars or low < 0.0), high + room
 
     def coloured(self) -> list[Trace]:
-        """Return the traces, those without a colour given the next one of the palette."""
+        """Return the traces; each one without a colour gets the next colour of the palette."""
         used = {trace.colour for trace in self.traces}
         free = cycle([colour for colour in SERIES if colour not in used] or SERIES)
         return [trace if trace.colour else replace(trace, colour=next(free)) for trace in self.traces]
@@ -216,8 +216,8 @@ class Figure:
 
     Attributes:
         key: file name and anchor: letters, digits and ``_``.
-        caption: what to see in it.
-        share_x: whether the panels of a column have one x axis, written under the last.
+        caption: text below the figure.
+        share_x: True if the panels of a column share one x axis, labelled under the last panel.
         height: of a row of panels, in px on a page 1000 px wide.
     """
 
@@ -256,8 +256,8 @@ class Figure:
 def thinned(trace: Trace, most: int = 4000) -> Trace:
     """Return the trace without points that cannot be seen, with about ``most`` points if its ``x`` rises.
 
-    A peak keeps its height and its place for any length of the flight; a curve in a plane, in which
-    every point is seen, is thinned where it is straight alone.
+    A peak keeps its height and its place however long the flight is.  A curve whose ``x`` does not rise, in
+    which every point is seen, is thinned only where it is straight.
     """
     n = len(trace.x)
     if trace.kind not in ("line", "steps") or n <= most // 2 or trace.labels:

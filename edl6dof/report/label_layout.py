@@ -17,18 +17,18 @@ Span = tuple[float, float]
 #: A box: left, right, lower and upper end, px.
 Box = tuple[float, float, float, float]
 
-#: Sides in the order in which they are taken, where they are as good.
+#: Sides of a point in order of preference among equally good ones.
 SIDES: tuple[Side, ...] = get_args(Side)
-#: Px of a letter and of a line of words, and from a point to its words; what a narrow panel is wide.
+#: Width of a letter, height of a line, distance from a point to its label, and width of a narrow panel, px.
 LETTER, LINE, AWAY, NARROW = 6.2, 14.0, 5.0, 370.0
-#: How much worse a covered marker is than 3 px of a curve.
+#: Cost of covering a marker, where covering 3 px of a curve costs 1.
 MARKER = 8
-#: How much worse words over words are than a curve over words, and words that leave the panel.
+#: Cost of covering another label, and of leaving the panel, where covering 3 px of a curve costs 1.
 OVER_WORDS, OUTSIDE = 1e4, 1e3
 
 
 def spelt(marks: Sequence[Mark], axis: Literal["x", "y"], span: Span) -> list[Mark]:
-    """Return the lines across one axis; those nearer than a line of text share the label of the first."""
+    """Return the marks across one axis in order; marks closer than a line of text share one label."""
     near = LINE / (NARROW if axis == "x" else 150.0) * abs(span[1] - span[0])
     found: list[Mark] = []
     for mark in sorted((mark for mark in marks if mark.axis == axis), key=lambda mark: mark.at):
@@ -89,7 +89,7 @@ def _between(way: np.ndarray) -> np.ndarray:
 
 
 def _box(place: np.ndarray, words: str, side: Side) -> Box:
-    """The box of a label."""
+    """Box (px) of a label with the text ``words`` at a side of a place (px)."""
     x, y = place
     width = LETTER * len(words)
     level, way = side.split()[0], side.split()[-1]

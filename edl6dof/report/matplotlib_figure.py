@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 #: Width of a figure across the text of an A4 page, in.
 WIDTH = 7.0
 PIXELS_PER_INCH = 1000.0 / WIDTH
-#: matplotlib's settings, which it types by a literal of all their names.
+#: Settings of matplotlib; ``Any``, because matplotlib's own type is a literal of all their names.
 STYLE: Any = {
     "font.family": "sans-serif", "font.size": 8.0, "axes.titlesize": "medium", "axes.titleweight": "bold",
     "axes.edgecolor": GREY, "axes.linewidth": 0.7, "axes.grid": True, "axes.axisbelow": True,
     "grid.color": RULE, "grid.linewidth": 0.6, "legend.frameon": False, "legend.fontsize": "medium",
     "xtick.color": INK, "ytick.color": INK, "pdf.fonttype": 42, "svg.fonttype": "none", "path.simplify": True,
 }  # fmt: skip
-#: Letters of the names along an axis beyond which they stand upright.
+#: Letters of all names along an axis beyond which the names are written vertically.
 _NAMES_IN_LINE = 60
 
 _DASHES: dict[str, Any] = {
@@ -43,12 +43,14 @@ _SYMBOLS = {"circle": "o", "square": "s", "diamond": "D", "cross": "P", "x": "X"
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write one figure in the format that the suffix of the path names."""
-    with own_style():  # of which some settings act only now
+    with own_style():  # some of the settings act only when a figure is saved
         matplotlib_figure(figure).savefig(path, dpi=200)
 
 
 def own_style() -> AbstractContextManager[None]:
-    """Return a context with our own settings only, without a ``matplotlibrc`` of the current folder."""
+    """Return a context with the settings of this module alone, without a ``matplotlibrc`` of the current
+    folder.
+    """
     from matplotlib import style
 
     return style.context(["default", STYLE])
@@ -65,7 +67,7 @@ def matplotlib_figure(figure: Figure) -> Canvas:
 
 
 def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
-    """Return the height (in) of a drawing ``letters`` wide whose panels are smaller by a factor."""
+    """Return the height (inch) of a drawing ``letters`` wide, its panels reduced by the factor ``shrink``."""
     weights = sum(panel.weight for panel in figure.panels[:: figure.columns])
     titled = 1 if figure.share_x else figure.rows
     names = figure.entries
@@ -94,7 +96,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
         else:
             axes.tick_params(labelbottom=False)
     if figure.entries:
-        shown: Any = named.values()  # containers of bars too, which matplotlib's types leave out
+        shown: Any = named.values()  # may be containers of bars, which matplotlib's types omit
         canvas.legend(shown, named.keys(), loc="outside lower left", ncols=_entries_in_line(named, letters))
 
 

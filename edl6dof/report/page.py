@@ -65,7 +65,7 @@ _LEVELS = {"above": "top", "below": "bottom"}
 
 
 def page(report: Report) -> str:
-    """Return the whole page."""
+    """Return the whole page as HTML."""
     return _template().render(
         report=report,
         style=_verbatim(_HERE / "page.css"),
@@ -102,12 +102,14 @@ def _verbatim(path: Path) -> Markup:
 
 
 def _first_of_words(columns: Sequence[str]) -> int:
-    """The first column of words: in a narrow window it heads the card of a row."""
+    """Index of the first column of text: in a narrow window it becomes the heading of a row's card."""
     return next((k for k, name in enumerate(columns) if not name.endswith(">")), 0)
 
 
 def _split_at_mark(line: str) -> tuple[str, str, str]:
-    """A line of YAML, the letter of its status mark, and the words after it; empty without one."""
+    """A line of YAML without its status mark, the letter of the mark, and the words after the mark; the last
+    two are empty without a mark.
+    """
     found = _MARK.search(line)
     return (line[: found.start()], found[1], found[2]) if found else (line, "", "")
 
@@ -129,7 +131,7 @@ def plotly_figure(figure: Figure) -> dict[str, Any]:
 
 
 def plotly_layout(figure: Figure) -> dict[str, Any]:
-    """Return the layout; that of the figure with other ``columns`` fits the same data."""
+    """Return the layout; layouts of the figure with different ``columns`` fit the same data."""
     weights = [panel.weight for panel in figure.panels[:: figure.columns]]
     gap = GAP_SHARED if figure.share_x else GAP
     height = figure.height * sum(weights) + gap * (figure.rows - 1)
@@ -200,7 +202,7 @@ def _shapes(panel: Panel, number: str, spans: Sequence[tuple[float, float]]) -> 
     """Bands, below or above the data, and marks across the whole panel."""
 
     def along(axis: str, ends: tuple[float, float] | None) -> dict[str, Any]:
-        """Ends along an axis; from edge to edge without any."""
+        """Ends along an axis; without ``ends`` those of the panel."""
         if ends is None:
             return {f"{axis}ref": f"{axis}{number} domain", f"{axis}0": 0, f"{axis}1": 1}
         return {f"{axis}ref": f"{axis}{number}", f"{axis}0": float(ends[0]), f"{axis}1": float(ends[1])}
@@ -280,7 +282,7 @@ def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> di
     else:
         line: dict[str, Any] = {"color": trace.colour, "width": trace.width, "dash": trace.dash}
         line |= {"simplify": False} | ({"shape": "hv"} if trace.kind == "steps" else {})
-        unseen = {"size": 9, "opacity": 0}  # keeps the words off the line
+        unseen = {"size": 9, "opacity": 0}  # invisible marker: space between label and line
         found |= {"mode": "lines+markers" if trace.labels else "lines", "line": line, "marker": unseen}
     if trace.kind == "region":
         found |= {"fill": "toself", "fillcolor": f"{trace.colour}22", "hoverinfo": "skip"}
@@ -315,7 +317,7 @@ def _heat(heat: Heat, number: str) -> dict[str, Any]:
 
 
 def _scale(heat: Heat, across: list[float], up: list[float]) -> dict[str, Any]:
-    """Colours of a field of cells, and the bar of them at the right of its panel."""
+    """Colour scale of a field of cells, and its colour bar at the right of the panel."""
     bar = {
         "title": {"text": heat.title, "side": "right"}, "thickness": 12, "xanchor": "left",
         "x": across[1] + 0.01, "y": sum(up) / 2, "len": up[1] - up[0],

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-#: Each colour of paper, and the one in its place on a dark ground; both sets stay apart for the colour-blind.
+#: Colour on a dark background by colour on paper; in both sets the colour-blind can distinguish the colours.
 DARK: dict[str, str] = {}
 
 
 def _inks(*pairs: str) -> tuple[str, ...]:
-    """Colours of paper, each given with the one that replaces it on a dark ground."""
+    """Return colours for paper; each pair also names the colour that replaces it on a dark background."""
     both = [pair.split() for pair in pairs]
     DARK.update({paper: dark for paper, dark in both})
     return tuple(paper for paper, _ in both)
 
 
-#: Okabe and Ito's palette, which stays apart for every kind of colour vision; its yellow is left out, which
-#: paper swallows.
+#: Okabe and Ito's palette, distinguishable with every kind of colour vision, without its yellow, which is
+#: hard to see on paper.
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK = SERIES = _inks(
     "#0072B2 #2f8fdc", "#D55E00 #e8702a", "#009E73 #14b88c", "#CC79A7 #d98cc0", "#E69F00 #f2b93b",
     "#56B4E9 #7cc8f7", "#1b1b1b #f0f2f4",
@@ -38,7 +38,7 @@ PHASES = _inks(
 SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = _inks(
     "#b7e3c8 #1c7a52", "#aeb4bc #4c525a", "#f7d08a #d0a03a", "#e79a7c #a83f22", "#e6e8eb #343b44"
 )
-#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone gives its order.
+#: Sequential scale from paper white to dark blue: it saves ink, and lightness alone shows its order.
 SEQUENTIAL = _inks(
     "#f7f9fb #1b2027", "#cfe1f2 #173a5e", "#93c4de #1f5f93", "#4a97c9 #3f8fc4", "#1764ab #86bfe3",
     "#08306b #e2f0fa",

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 A4 = (8.27, 11.69)
 ROWS_PER_PAGE = 70
-#: Panels of a page of figures, as a share of those of a figure alone.
+#: Size of the panels on a page of figures, relative to those of a figure drawn alone.
 SHRINK = 0.78
 #: Margin of a page, as a share of it; inches from top to foot of its text, and between figures.
 MARGIN = 0.05
 ROOM, GAP = A4[1] * (1.0 - 2.0 * MARGIN), 0.12
-#: Letters of a page of figures, and how many a column holds.
+#: Number of letters in the width of a column, and sizes of type and markers on a page of figures.
 COLUMN = 76
 LETTERS: Any = {"font.size": 6.0, "lines.markersize": 3.0}
 #: Lines at the head of a table: its caption and the names of its columns.
@@ -49,7 +49,7 @@ def write_pdf(report: Report, path: Path) -> None:
 
 
 class Placed(NamedTuple):
-    """A figure on a page: inches from the top of the text to its top and foot, and its columns."""
+    """A figure on a page: inches from the top of the text to its top and foot, and the columns it covers."""
 
     figure: Figure
     top: float
@@ -58,7 +58,7 @@ class Placed(NamedTuple):
 
 
 def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
-    """Yield the figures of each page in order: wide ones across both columns, others in the shorter."""
+    """Yield the figures of each page in order: wide ones across both columns, others in the shorter one."""
     page: list[Placed] = []
     feet = [0.0, 0.0]
     for figure in figures:
@@ -98,7 +98,7 @@ def _figure_page(placed: Sequence[Placed]) -> Canvas:
 
 
 class Words(NamedTuple):
-    """Words of a line: place 0..1 of the side that is aligned, text, and style."""
+    """A piece of text in a line; ``x``: place (0..1 of the width) of the side that ``align`` names."""
 
     x: float
     text: str

@@ -67,10 +67,10 @@ def show_flight(console: Console, flight: Flight, verbose: bool = False) -> None
         return
     console.print(timeline_table(flight))
     if stated := stated_figures(flight.loaded):
-        rows = comparison(flight.metrics, stated)
+        rows = comparison(flight.figures, stated)
         console.print(published_table(rows, "Comparison with the published flight", "this flight"))
         console.print(ONE_DRAW, style="dim", end="\n\n")
-    if any(name in flight.metrics for name in NAVIGATION):
+    if any(name in flight.figures for name in NAVIGATION):
         console.print(navigation_table(flight))
 
 
@@ -100,14 +100,16 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        number = f"{mach:.2f}" if math.isfinite(mach) and not landed else ""  # on the ground it is the wind's
+        number = (
+            f"{mach:.2f}" if math.isfinite(mach) and not landed else ""
+        )  # on the ground it is that of the wind
         cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
 
 
 def published_table(rows: Sequence[Compared], title: str, own: str) -> Table:
-    """Tabulate figures and the published ones; ``own`` heads this product's."""
+    """Tabulate figures next to the published ones; ``own``: heading of the column of the flight's figures."""
     spread = any(row.sigmas for row in rows)
     heads = ["figure", "unit", f"{own}>", "published>", "difference>", *(["sigma>"] if spread else [])]
     table = open_table(title, *heads)
@@ -124,9 +126,9 @@ def comparison(
     """Return a row for each published figure.
 
     Args:
-        figures: of a flight, or means.
-        published: the published ones.
-        deviations: standard deviations, where the figures are means; of one flight there are none.
+        figures: figures of a flight, or means over flights.
+        published: published figures.
+        deviations: standard deviations of the figures, if these are means over flights.
     """
     return [
         _compared(pair, figures.get(pair.figure.name), (deviations or {}).get(pair.figure.name))
@@ -138,7 +140,7 @@ def navigation_table(flight: Flight) -> Table:
     """Tabulate the errors of navigation."""
     table = open_table("Navigation", "figure", "unit", "this flight>")
     for name, form in NAVIGATION.items():
-        if (value := flight.metrics.get(name)) is not None:
+        if (value := flight.figures.get(name)) is not None:
             figure = figure_of_merit(name)
             table.add_row(figure.meaning, figure.unit.label, f"{value:{form}}")
     return table
@@ -161,9 +163,9 @@ def headline(flight: Flight) -> Text:
 
 
 def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
-    """Return an open table; a heading that ends in ``>`` marks right-aligned numbers.
+    """Return an empty table without a frame; a heading that ends in ``>`` marks right-aligned numbers.
 
-    A ``narrow`` one has smaller gaps, and breaks no cell.
+    A ``narrow`` table has smaller gaps between its columns, and breaks no cell into lines.
     """
     table = Table(
         title=Text(title, style="bold") if title else None,
@@ -186,7 +188,7 @@ def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
 
 
 def print_whole(table: Table) -> None:
-    """Print a table at its full width: numbers are never cut, and a terminal breaks its lines."""
+    """Print a table at its full width: numbers are never cut, and the terminal wraps long lines."""
     Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
@@ -210,7 +212,7 @@ def _published_places(value: float) -> int:
 
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
-    """Format value and limit with three digits of the limit, or more if a missed limit would look kept."""
+    """Format value and limit with three digits of the limit, or more if rounding would hide a violation."""
     places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1

@@ -56,7 +56,7 @@ class View(NamedTuple):
     axes: tuple[str, str]
 
     def flat(self, places: Any) -> np.ndarray:
-        """Project places in B, shape (..., 3), m."""
+        """Project places in B, shape (..., 3), m, onto the plane of the view, shape (..., 2)."""
         return np.asarray(places, float) @ np.stack([self.right, self.up], axis=1)
 
 
@@ -76,7 +76,7 @@ class Arrows(NamedTuple):
 
 
 def vehicle_figure(vehicle: VehicleParams, states: Sequence[Configuration]) -> Figure:
-    """Draw top and side view of a vehicle at one scale; ``states`` give its centres of mass."""
+    """Draw top and side view of a vehicle at one scale, with its centre of mass in each of ``states``."""
     shape = outline(vehicle)
     views = [(view, [*_drawn(vehicle, shape, states, view)]) for view in (TOP, SIDE)]
     places = [np.concatenate([np.stack([t.x, t.y], axis=1) for t in traces]) for _, traces in views]
@@ -102,7 +102,7 @@ def vehicle_figure(vehicle: VehicleParams, states: Sequence[Configuration]) -> F
 def _drawn(
     vehicle: VehicleParams, shape: Outline, states: Sequence[Configuration], view: View
 ) -> Iterator[Trace]:
-    """Draw everything that has a place on the vehicle, and its dimensions."""
+    """Draw everything that has a place on the vehicle, and the dimensions of the vehicle."""
     for corners, width in _outlines(vehicle, shape, view):
         yield _trace(corners, colour=GREY, width=width)
     for tank in vehicle.tanks:

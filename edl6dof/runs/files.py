@@ -1,5 +1,5 @@
-"""Files and folders of results: each appears complete or not at all, and replaces no other unless forced or
-nothing is lost by it.
+"""Files and folders of results: each appears complete or not at all, and replaces an existing one only if
+forced, or if nothing is lost.
 
 The folder of a result remembers the SHA-256 of every file that was made from it: report, plots, pages,
 pictures, films, exports, wherever they were written.  A file that is still one of these, byte for byte, can
@@ -46,14 +46,14 @@ def atomic_file(target: Path, force: bool, made_from: Path | None = None) -> Ite
     Args:
         target: the file wanted.
         force: whether any file there may be replaced.
-        made_from: folder of the result that the file is made from: what was made from it before may be
+        made_from: folder of the result that the file is made from; a file made from this result before may be
             replaced.
 
     Raises:
         ConfigError: ``target`` exists and must not be replaced, or it cannot be written.
     """
     refuse_existing_file(target, force, made_from)
-    # keeps the suffix, by which writers choose a format
+    # keep the suffix, from which writers choose the format
     partial = target.parent / f".{os.getpid()}.{target.name}"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -85,7 +85,7 @@ def refuse_existing_file(target: Path, force: bool, made_from: Path | None = Non
 def remember(result: Path, file: Path) -> None:
     """Remember that ``file`` was made from the result in a folder.
 
-    Nothing is remembered if that is no folder or cannot be written: the file then counts as the user's.
+    Nothing is remembered if ``result`` is no folder or cannot be written: the file then counts as the user's.
     """
     if not result.is_dir():
         return
@@ -96,7 +96,7 @@ def remember(result: Path, file: Path) -> None:
 
 
 def _remembered(result: Path) -> list[str]:
-    """Digests of what was made from a result, the oldest first; none where the list is missing or damaged."""
+    """Digests of the files made from a result, the oldest first; empty if the list is missing or damaged."""
     path = result / MADE
     try:
         found = json.loads(path.read_bytes()) if path.stat().st_size < 100 * MOST else []
@@ -107,7 +107,7 @@ def _remembered(result: Path) -> list[str]:
 
 @contextmanager
 def needing_channels(*folders: Path) -> Iterator[None]:
-    """Turn a channel that the runs in the folders lack into one line.
+    """Turn the error of a channel that the runs in the folders lack into one line of explanation.
 
     Raises:
         ConfigError: the runs lack a channel.
@@ -152,7 +152,7 @@ def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
 
     Args:
         target: the folder wanted.
-        kind: what it is a result of, as its manifest says: ``flight``, ``study``, ...
+        kind: kind of result, for its manifest: ``flight``, ``study``, ...
         force: whether a result of the same kind may be replaced.
 
     Raises:
@@ -164,7 +164,7 @@ def atomic_folder(target: Path, kind: Kind, force: bool) -> Iterator[Path]:
         with _swapped(Path(os.path.realpath(target))) as folder:
             yield folder
             seal(folder, kind)
-            # another run may have finished meanwhile, or something been put there
+            # another run may have finished meanwhile, or a file been put there
             _refuse_existing(target, kind, force)
     except OSError as error:
         raise refusal(target, f"cannot be written: {error.strerror or error}") from None
@@ -217,9 +217,9 @@ def _refuse_existing(target: Path, kind: Kind, force: bool) -> None:
 
 
 def _sweep(target: Path) -> None:
-    """Remove what killed runs into the same target left behind; a folder whose process still lives is kept.
+    """Remove the hidden folders of killed runs with the same target; that of a process still alive is kept.
 
-    The former result, which a run killed between the two renames of a replacement put aside, comes back.
+    If a run was killed between the two renames of a replacement, the former result is restored.
     """
     for left in target.parent.glob(f".{glob.escape(target.name)}.*.*"):
         owner, kind = left.name.rsplit(".", 2)[1:]

@@ -8,7 +8,8 @@ import hashlib
 import io
 import json
 import zipfile
-from collections.abc import Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NotRequired, TypeVar
@@ -45,7 +46,7 @@ _EXACT = ConfigDict(strict=True, allow_inf_nan=False)
 
 @with_config(_EXACT)
 class Limit(TypedDict):
-    """One limit of the scenario with the flight's value, in ``unit``; null where it could not be formed."""
+    """One limit of the scenario with the flight's value, in ``unit``; null if the flight has no value."""
 
     name: str
     value: float | None
@@ -77,8 +78,8 @@ class Summary(TypedDict):
 class Event(TypedDict):
     """One event of ``events.json`` with the state of the vehicle then, null where that is not finite.
 
-    The start of a phase has the name and the role of the phase, an event of the mission its milestone (empty
-    for none), a diagnosis the thruster and what was isolated.
+    The start of a phase also has the ``phase`` and its ``role``, an event of the mission its ``milestone``
+    (empty for none), a diagnosis the ``thruster`` and the kind of fault ``isolated``.
     """
 
     t_s: float
@@ -96,11 +97,45 @@ class Event(TypedDict):
     mach: float | None
 
 
-class Run(Mapping[str, np.ndarray]):
+class FlightColumns(Mapping[str, np.ndarray]):
+    """Telemetry columns of a flight by name, each shape (rows,), with its events and figures."""
+
+    @property
+    @abstractmethod
+    def events(self) -> Sequence[Mapping[str, Any]]:
+        """The timeline."""
+
+    @property
+    @abstractmethod
+    def figures(self) -> Mapping[str, float | None]:
+        """Figures of merit by name with unit suffix."""
+
+    @cached_property
+    def when(self) -> dict[str, float]:
+        """Time (s) of the first event of each key, and of the first phase of each role."""
+        return first_times(self.events)
+
+    @property
+    def t(self) -> np.ndarray:
+        """Time of the rows, s."""
+        return self["t_s"]
+
+    def at(self, name: str, t: float) -> float:
+        """Return a column at a time (s), interpolated."""
+        return float(interpolate(t, self.t, self[name]))
+
+    def between(self, since: str = "", until: str = "") -> np.ndarray:
+        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
+        not happen.
+        """
+        return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
+
+
+class Run(FlightColumns):
     """The telemetry columns of a run by name, read when they are asked for; and its events, summary and
     scenario.
 
-    Every file is compared with the hash of its manifest, and its types are checked, before anything of it is
+    Every file is compared with its hash in the manifest, and its types are checked, before any content is
     used.
 
     Raises:
@@ -128,6 +163,11 @@ class Run(Mapping[str, np.ndarray]):
         """The timeline."""
         return self._json("events.json", list[Event])
 
+    @property
+    def figures(self) -> dict[str, float | None]:
+        """Figures of merit by name; ``None`` for one that could not be computed."""
+        return self.summary["figures"]
+
     @cached_property
     def scenario_text(self) -> str:
         """The resolved scenario as YAML."""
@@ -145,7 +185,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def landing_map(self) -> LandingMap | None:
-        """Map that the lander saw and the site it chose; ``None`` of a flight without hazard detection."""
+        """Map of hazard detection and the spot chosen on it; ``None`` without hazard detection."""
         if LANDING_MAP not in self._manifest.files:
             return None
         try:
@@ -163,21 +203,11 @@ class Run(Mapping[str, np.ndarray]):
         """Names of the mission phases; ``guide.phase`` is the index."""
         return [str(phase["name"]) for phase in self.scenario["mission"]["phases"]]
 
-    @cached_property
-    def when(self) -> dict[str, float]:
-        """Time (s) of the first event of each key, and of the first phase of each role."""
-        return first_times(self.events)
-
-    @property
-    def t(self) -> np.ndarray:
-        """Time of the rows, s."""
-        return self["t_s"]
-
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
             if name not in self:
                 raise UnknownName("channel", name, self)
-            # to_numpy of arrow would import pandas, a tenth of a second
+            # arrow's to_numpy would import pandas, which takes a tenth of a second
             parts = [np.from_dlpack(part) for part in self._file.read([name]).column(0).chunks]
             self._columns[name] = np.concatenate(parts)
         return self._columns[name]
@@ -199,21 +229,11 @@ class Run(Mapping[str, np.ndarray]):
         """Return the meaning of a column."""
         return self._described(name, b"meaning")
 
-    def at(self, name: str, t: float) -> float:
-        """Return a column at a time (s), interpolated."""
-        return float(interpolate(t, self.t, self[name]))
-
-    def between(self, since: str = "", until: str = "") -> np.ndarray:
-        """Return the rows between two events, shape (rows,), bool; without a bound where one is empty or did
-        not happen.
-        """
-        return (self.t >= self.when.get(since, -np.inf)) & (self.t <= self.when.get(until, np.inf))
-
     def file(self, name: str) -> Path:
         """Return a file of the folder, compared with its hash, for a program that reads it itself.
 
         Raises:
-            ConfigError: it is missing or damaged.
+            ConfigError: the file is missing or damaged.
         """
         self._manifest.read(name)
         return self.folder / name
@@ -225,7 +245,7 @@ class Run(Mapping[str, np.ndarray]):
 
     @cached_property
     def _schema(self) -> Any:
-        return self._file.schema_arrow  # which makes it anew each time
+        return self._file.schema_arrow  # each access builds the schema: keep it
 
     @cached_property
     def _columns(self) -> dict[str, np.ndarray]:
@@ -249,7 +269,7 @@ class Run(Mapping[str, np.ndarray]):
         return file
 
     def _json(self, name: str, kind: type[Content]) -> Content:
-        """The content of a file, whose types are right."""
+        """Content of a JSON file, with its types checked."""
         try:
             return TypeAdapter(kind).validate_json(self._manifest.read(name))
         except ValidationError as error:
@@ -259,7 +279,7 @@ class Run(Mapping[str, np.ndarray]):
 
 
 def write_run(flight: Flight, folder: Path) -> None:
-    """Write the files that hold the numbers of a flight into ``folder``, which exists."""
+    """Write the files with the numbers of a flight into ``folder``, which must exist."""
     (folder / "scenario.yaml").write_text(flight.resolved_scenario, encoding="utf-8")
     write_telemetry(flight, folder / TELEMETRY)
     (folder / "events.json").write_text(json_text(flight.events), encoding="utf-8")
@@ -281,7 +301,7 @@ def summary(flight: Flight) -> dict[str, Any]:
         "seed": flight.scenario.seed,
         "scenario_sha256": hashlib.sha256(flight.resolved_scenario.encode()).hexdigest(),
         "warnings": flight.loaded.warnings,
-        "figures": flight.metrics,
+        "figures": flight.figures,
         "limits": [
             {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
             for c in flight.checks
@@ -294,7 +314,7 @@ def summary(flight: Flight) -> dict[str, Any]:
 
 
 def write_telemetry(flight: Flight, path: Path) -> None:
-    """Write all telemetry columns as Parquet; unit and meaning of each are in the column's metadata."""
+    """Write all telemetry columns as Parquet, with unit and meaning in the metadata of each column."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -317,7 +337,7 @@ def write_telemetry(flight: Flight, path: Path) -> None:
         for start in range(0, rows, ROW_GROUP):
             given = flight.telemetry.rows(start, start + ROW_GROUP).values()
             columns = [np.ascontiguousarray(values, float) for values in given]
-            # from their memory as it is: pa.array would import pandas, where that is installed
+            # wrap the memory directly: pa.array would import pandas, if that is installed
             part = [
                 pa.Array.from_buffers(pa.float64(), len(one), [None, pa.py_buffer(one)]) for one in columns
             ]
@@ -332,10 +352,10 @@ def write_landing_map(found: LandingMap, folder: Path) -> None:
 
 
 def read_landing_map(content: bytes) -> LandingMap:
-    """Return the landing map in the bytes of its file, of which only plain numbers are taken.
+    """Return the landing map from the bytes of its file; only arrays of plain numbers are accepted.
 
     Raises:
-        ValueError: they are no landing map.
+        ValueError: the bytes are no landing map.
     """
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:

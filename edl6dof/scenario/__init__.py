@@ -1,1 +1,1 @@
-"""The scenario file: its schema, and what is built from it for the truth and for the flight computer."""
+"""The scenario file: its schema, and the records of truth and belief that are built from it."""

@@ -1,7 +1,7 @@
 """Checks of a scenario beyond single values: sections that must fit together, and the data files it names.
 
-The builders of the models report mistakes in a file; here each is called before a flight begins, and its
-message is put at the key that names the file.  They cache their results, which the flight uses.
+The builders of the models report mistakes in a file; here each builder is called before a flight begins, and
+its message is put at the key that names the file.  They cache their results, which the flight uses.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def _landing_area_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _lag_problems(scenario: Scenario) -> Iterator[Found]:
-    """A step as long as the lag of an engine follows its thrust to 2 %; three times as long, it diverges."""
+    """Limit the step to the lag of every engine: one lag follows the thrust to 2 %, three lags diverge."""
     step = scenario.simulation.step_s
     for engine in scenario.vehicle.engines:
         lags = {"throttled": engine.throttled, "pulsed": engine.pulsed, "solid": engine.solid}
@@ -90,7 +90,7 @@ def _heed_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _delay_problems(scenario: Scenario) -> Iterator[Found]:
-    """The flight computer keeps its valve commands for the age of a reading."""
+    """Limit delays to the control cycle, for which the flight computer keeps its valve commands."""
     oldest = scenario.flight_software.rates.control_every
     for name in ("imu", "inertial_unit"):
         delay = getattr(scenario.sensors, name).delay_cycles
@@ -100,7 +100,7 @@ def _delay_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _thruster_set_problems(scenario: Scenario) -> Iterator[Found]:
-    """The table of thrusters takes axial ones whole or not at all, so that they do not steer."""
+    """Refuse the table of thrusters if an engine is made of thrusters, by which the table does not steer."""
     made_so = any(engine.model == THRUSTER_SET.name for engine in scenario.vehicle.engines)
     if scenario.flight_software.allocation.method == "table" and made_so:
         message = f"table does not steer by an engine that is a {THRUSTER_SET.name}; choose least_squares"
@@ -108,7 +108,7 @@ def _thruster_set_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _metering_problems(scenario: Scenario) -> Iterator[Found]:
-    """Diagnosis compares the flow of branches with the motion of the vehicle over the same cycle."""
+    """Require equal delays of flow meters and inertial unit: diagnosis compares both over one cycle."""
     sensors = scenario.sensors_in_flight
     name = "inertial_unit" if "inertial_unit" in sensors.flown else "imu"
     own, other = sensors.flow_meters.delay_cycles, getattr(sensors, name).delay_cycles
@@ -118,13 +118,13 @@ def _metering_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _sensor_problems(scenario: Scenario) -> Iterable[Found]:
-    """The navigation filter must find what it reads; contact and trim wing are sensed by every set."""
+    """Require the sensors that the navigation filter reads, and those of contact and trim wing."""
     read = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
     return sensor_problems(scenario.sensors_in_flight, (*read, "footpad_contact", "wing_open")).items()
 
 
 def _hazard_problems(scenario: Scenario) -> Iterator[Found]:
-    """Require the lidar for hazard detection, and for its map a footprint of cells that is not too large."""
+    """Require the lidar for hazard detection, and a footprint that does not span too many map cells."""
     section, hazard = "flight_software.hazard", scenario.flight_software.hazard
     if hazard.detection == "given":
         return
@@ -137,7 +137,7 @@ def _hazard_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _stars_problems(scenario: Scenario) -> Iterator[Found]:
-    """The event that ends the view of the stars is one of the mission."""
+    """Require that the event that ends the view of the stars is an event of the mission."""
     name, known = scenario.sensors.star_tracker.until, scenario.mission.events
     if name is not None and name not in known:
         words = ", ".join(known) or "none"
@@ -145,7 +145,7 @@ def _stars_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _alignment_problems(scenario: Scenario) -> Iterator[Found]:
-    """A filter starts in the first cycle: with a star fix, and the state that ground tracking sends then."""
+    """Require a star fix in the first cycle, in which a filter starts with it and the tracked state."""
     reads = NAVIGATION_FILTERS.member(scenario.navigation_filter).reads
     if "star_tracker" not in scenario.sensors_in_flight.flown or "stars" not in reads:
         return
@@ -160,7 +160,7 @@ def _alignment_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _last_event_problems(scenario: Scenario) -> Iterator[Found]:
-    """The event with which the flight ends is one of the mission, and named where it does."""
+    """Require that the event that ends the flight is an event of the mission, if the mission needs one."""
     mission = scenario.mission
     last, known = mission.goal_event, ", ".join(mission.events) or "none"
     if last not in mission.events and (last is not None or mission.goal == "event"):
@@ -175,7 +175,7 @@ def _goal_problems(scenario: Scenario) -> Iterator[Found]:
 
 
 def _entry_problems(scenario: Scenario) -> Iterator[Found]:
-    """Entry guidance plans from the initial state down to its final speed, which must be lower."""
+    """Require an initial speed above the final speed of entry guidance, which plans in between."""
     initial, final = scenario.initial, scenario.flight_software.guidance.entry.final_speed_m_s
     if initial.speed <= final and any(phase.guidance == "entry" for phase in scenario.mission.phases):
         given = "speed_m_s" if initial.velocity_ned_m_s is None else "velocity_ned_m_s"
@@ -298,7 +298,7 @@ def _words(error: Exception) -> str:
 
 
 def with_whole_paths(document: Document) -> Document:
-    """Make the paths of mesh and body files whole; values of another form are left to validation."""
+    """Make the paths of mesh and body files absolute; values of another form are left to validation."""
     found = _at(document, MESHES)
     for k, mesh in enumerate(found if isinstance(found, list) else ()):
         _make_whole(document, (*MESHES, k), mesh)
@@ -314,7 +314,7 @@ def _at(document: Document, keys: tuple[str, ...]) -> Any:
 
 
 def _make_whole(document: Document, keys: tuple[str | int, ...], named: Any) -> None:
-    """Make whole the path of the ``file`` of ``named``, the value at ``keys``."""
+    """Make the path of the ``file`` of ``named``, the value at ``keys``, absolute."""
     if isinstance(named, dict) and isinstance(name := named.get("file"), str) and name:
         named_in = Path(document.mark((*keys, "file")).file)
         folder = named_in.parent if named_in.is_file() else Path.cwd()

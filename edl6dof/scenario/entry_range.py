@@ -3,7 +3,7 @@
 A point mass flies over a sphere without rotation in exponential air, once with its lift down and once with
 its lift up.  Drag coefficient and lift-to-drag ratio are those of a blunt body whose force stays nearly along
 its axis: the ratio is below the tangent of the trim angle of attack (Mars Science Laboratory 0.24 at 16 deg).
-The margins cover what this leaves out.
+The margins cover the effects that this model leaves out.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def out_of_range(scenario: Scenario, radius_m: float) -> str:
     """Describe by how much the landing site lies outside what the entry can reach; empty if it may reach it.
 
     Args:
-        scenario: validated.
-        radius_m: of the vehicle; 0 where it is not known.
+        scenario: validated scenario.
+        radius_m: radius of the vehicle; 0 if it is not known.
     """
     initial, terrain = scenario.initial, scenario.terrain
     slow = initial.speed_m_s is None or initial.speed_m_s < FAST or initial.azimuth_deg is None

@@ -56,9 +56,9 @@ def plan(onboard: np.ndarray, scenario: Scenario, tables: np.ndarray) -> np.ndar
     If the mission deploys no parachute, or one without a pack, the aim point is the landing site.
 
     Args:
-        onboard: onboard record array of length one, everything else filled.
-        scenario: the nominal one; a phase of it flies entry guidance.
-        tables: those of the nominal one, shape (1,), for the winds.
+        onboard: onboard record array of length one, everything but the aim point and the reference filled.
+        scenario: the nominal scenario; one of its phases flies entry guidance.
+        tables: tables of the nominal scenario, shape (1,), for the winds.
 
     Returns:
         rows of the planned entry, ``PLANNED``.
@@ -87,9 +87,9 @@ def drift(
     """Expected displacement north and east (m) of the descent under the parachute.
 
     Args:
-        onboard: as of :func:`plan`.
-        scenario: the nominal one.
-        tables: those of the nominal one, shape (1,).
+        onboard: as for :func:`plan`.
+        scenario: the nominal scenario.
+        tables: tables of the nominal scenario, shape (1,).
         phase: index of the mission phase that deploys.
         arrival: altitude (m) and velocity towards north, east and up (m/s) at deployment.
     """
@@ -127,7 +127,7 @@ def _azimuth_at_site(scenario: Scenario, site: np.void) -> float:
 
 
 def _displaced(onboard: np.void, north: float, east: float) -> tuple[float, float]:
-    """Latitude and longitude (rad) of the point so far (m) from the landing site."""
+    """Latitude and longitude (rad) of the point ``north`` and ``east`` (m) of the landing site."""
     frame, planet = onboard["site"]["frame"], onboard["planet"]
     axes = (frame["sin_lat"], frame["cos_lat"], frame["sin_lon"], frame["cos_lon"])
     r_F = frame["origin_F"] + np.array(ned_to_fixed(*axes, (north, east, 0.0)))
@@ -138,7 +138,7 @@ def _displaced(onboard: np.void, north: float, east: float) -> tuple[float, floa
 
 
 class Wind(NamedTuple):
-    """The expected wind: factor on that of the table, and wind added to it towards north and east, m/s."""
+    """The expected wind: factor on the wind of the table, and north and east wind (m/s) added."""
 
     table_factor: float
     north: float
@@ -160,7 +160,7 @@ def wind_at(wind, table, height):
 
 
 class Hanging(NamedTuple):
-    """Falling body: index of the parachute, flight time (s) at which its lines are taut, and mass (kg)."""
+    """Body under the parachute: index of the parachute, time of taut lines (s of flight), and mass (kg)."""
 
     chute: int
     line_stretch: float
@@ -169,7 +169,7 @@ class Hanging(NamedTuple):
 
 @kernel
 def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
-    """Carry ``y`` from the deployment of the parachute to the start of steering or to the ground.
+    """Propagate ``y`` from the deployment of the parachute to the start of steering or to the ground.
 
     Args:
         onboard: ``ONBOARD`` record, its air, site, vehicle and mission filled.
@@ -178,7 +178,7 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
         wind: :class:`Wind`.
         areoid: height of the areoid at the site above the ellipsoid, m.
         phase: index of the mission phase that deploys.
-        y: state, shape (6,), updated.
+        y: state, shape (6,), updated: north, east and altitude (m), and their rates (m/s).
         scratch: ``SCRATCH`` record, zero.
     """
     mission, configuration = onboard.mission, onboard.vehicle.configuration
@@ -214,7 +214,7 @@ def expected_drift(onboard, parachutes, winds, wind, areoid, phase, y, scratch):
 
 @kernel
 def _look(onboard, y, t, nav):
-    """Write the quantities of triggers."""
+    """Write the quantities that triggers read to ``nav``, from the state ``y`` at time ``t`` (s)."""
     density, sound, _ = model_atmosphere(onboard.atmosphere, y[ALTITUDE])
     nav.t = t
     nav.speed = sqrt(y[V_NORTH] * y[V_NORTH] + y[V_EAST] * y[V_EAST] + y[V_UP] * y[V_UP])
@@ -227,7 +227,7 @@ def _look(onboard, y, t, nav):
 
 @kernel
 def _advance(scene, hanging, t, y):
-    """Carry the state ``y`` over one step from ``t`` (s): Runge-Kutta of fourth order."""
+    """Propagate the state ``y`` by one step from ``t`` (s): Runge-Kutta of fourth order."""
     a = _rates(scene, hanging, t, y)
     b = _rates(scene, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, a))
     c = _rates(scene, hanging, t + 0.5 * STEP, _moved(y, 0.5 * STEP, b))

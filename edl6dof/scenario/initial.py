@@ -2,7 +2,7 @@
 
 Height is given above the ellipsoid or above the areoid; velocity by speed, flight-path angle and azimuth, or
 by its north, east and down components; attitude by angle of attack, sideslip and bank, or by yaw, pitch and
-roll.  Both ways at once are refused.
+roll.  A file that uses both ways at once is refused.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ TRUE_SECTIONS = (
     *("planet", "atmosphere", "wind", "terrain", "vehicle", "initial"),
     *("point_mass", "sensors", "faults", "seed", "profile"),
 )
-#: Parameters in them that have no effect on a flight.
+#: Parameters in these sections that have no effect on a flight.
 _LABELS = re.compile(
     r"(planet|vehicle)\.(name|appearance\..+)|vehicle\.daveml|vehicle\.daveml_inputs.*|vehicle\.rcs\.(thrusters|branches)\.[^.]+\.name|terrain\.ellipse_\w+"
 )
@@ -38,7 +38,7 @@ _LABELS = re.compile(
 
 @cache
 def truth_problem(path: str) -> str:
-    """Why ``truth`` cannot hold a dotted path; empty if it can, or if there is no such path."""
+    """Reason why ``truth`` cannot contain a dotted path; empty if it can, or if there is no such path."""
     section = path.strip().partition(".")[0]
     if section not in Scenario.model_fields:
         return ""
@@ -105,8 +105,21 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
         document.data.pop(name, None)
         document.forget((name,))
     document = with_whole_paths(expand_daveml(document))
-    changed = apply_overrides(document, overrides, Scenario)
+    try:
+        changed = apply_overrides(document, overrides, Scenario)
+    except ConfigError as error:
+        refused = {problem.file for problem in error.problems}
+        kept = [text for text in overrides if f"--set {text}" not in refused]
+        raise ConfigError((*error.problems, *_problems(document, kept))) from None
     return check_document(with_whole_paths(expand_daveml(changed)))
+
+
+def _problems(document: Document, overrides: Iterable[str]) -> tuple[Problem, ...]:
+    try:
+        check_document(with_whole_paths(expand_daveml(apply_overrides(document, overrides, Scenario))))
+    except ConfigError as error:
+        return error.problems
+    return ()
 
 
 #: Models of air and wind that replace those of plugins: they need no table.
@@ -117,7 +130,7 @@ def viewed_scenario(text: str, file: str) -> LoadedScenario:
     """Read the scenario of a resolved file without what only plugins declare.
 
     Args:
-        text: its content.
+        text: content of the file.
         file: the name shown in messages.
 
     Raises:
@@ -133,7 +146,7 @@ def viewed_scenario(text: str, file: str) -> LoadedScenario:
 
 
 def _known(value: Any, slot: Slot) -> Any:
-    """Plain data without keys that the models do not declare and names that are no choice of them."""
+    """Plain data without keys that the models do not declare, and without names that they do not offer."""
     if isinstance(value, dict):
         inside = {key: (item, slot.child(key)) for key, item in value.items()}
         return {
@@ -147,7 +160,7 @@ def _known(value: Any, slot: Slot) -> Any:
 
 
 def _is_foreign(value: Any, slot: Slot) -> bool:
-    """True for an unknown name, a list with one, or a mapping whose required choice is one."""
+    """True for an unknown name, a list with one, or a mapping whose required choice is unknown."""
     if isinstance(value, list) and (item_slot := slot.child(0)) is not None and literal_names(item_slot):
         return any(_is_foreign(item, item_slot) for item in value)
     if isinstance(value, dict):

@@ -42,7 +42,7 @@ def event_number(mission: MissionParams, name: str | None) -> int:
 
 
 def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[tuple[str, str]]:
-    """Unknown components, names with two meanings and too many events: dotted key and message."""
+    """Yield key and message for unknown components, names with two meanings and too many events."""
     numbered = mission.events
     for i, phase in enumerate(mission.phases):
         for k, event in enumerate(phase.events):
@@ -57,7 +57,7 @@ def event_problems(mission: MissionParams, vehicle: VehicleParams) -> Iterator[t
 
 
 def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
-    """Missing or dead-end phases, and time windows upside down: dotted key and message."""
+    """Yield key and message for missing or dead-end phases, and time windows that end before they begin."""
     names = [phase.name for phase in mission.phases]
     branches = {way.next for phase in mission.phases for way in phase.transitions}
     for i, phase in enumerate(mission.phases):
@@ -85,7 +85,7 @@ def way_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
 
 
 def quantity_problems(mission: MissionParams) -> Iterator[tuple[str, str]]:
-    """Quantities that the phase's guidance does not compute, or not in the first cycle."""
+    """Yield key and message for quantities that the guidance of a phase does not compute, or not in time."""
     for i, phase in enumerate(mission.phases):
         for below, condition, earliest_s in _conditions(phase):
             here, name = f"mission.phases.{i}.{below}.quantity", condition.quantity

@@ -154,27 +154,27 @@ def _believe_radar(record: np.void, radar: np.void) -> None:
 
 
 def _believe_eye(record: np.void, given: np.void) -> None:
-    """Place and field of view."""
+    """Fill the place and the field of view of an optical instrument."""
     record["place"] = given["position"]
     record["tangent"] = tan(0.5 * given["field_of_view"])
 
 
 def _believe_stereo(record: np.void, stereo: np.void) -> None:
-    """Place, field of view, and noise, which increases with the square of the range."""
+    """Fill place, field of view, and noise, which increases with the square of the range."""
     _believe_eye(record, stereo)
     focal_px = 0.5 * stereo["pixels"] / record["tangent"]
     record["sigma_square"] = stereo["disparity_noise_px"] / (focal_px * stereo["baseline"])
 
 
 def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:
-    """Fill the errors of the meters, of ideal ones at least ``LEAST_FLOW_SHARE``."""
+    """Fill the errors of the flow meters; for ideal meters at least ``LEAST_FLOW_SHARE``."""
     for field, name in (("scale_sigma", "scale"), ("bias_share", "bias"), ("noise_share", "noise")):
         given = 0.0 if meters is None else float(meters[name])
         record[f"flow_{field}"] = max(given, LEAST_FLOW_SHARE)
 
 
 def _believe_axes(record: np.void, kind: str, given: np.void) -> None:
-    """Gyros or accelerometers: the fields that begin with ``kind``."""
+    """Fill the fields of the gyros or accelerometers, which begin with ``kind``."""
     count = given["n_axes"]
     record[f"n_{kind}s"] = count
     record[f"{kind}_axis"][:count] = given["axes"]["axis"][:count]

@@ -65,7 +65,7 @@ def believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> 
 
 @lru_cache(maxsize=16)
 def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]) -> np.ndarray:
-    """Mass, centre and principal inertia, with full tanks, by the set of the parts that are gone."""
+    """Mass, centre and principal inertia, with full tanks, for each set of parts that are gone."""
     table = np.zeros(2**MAX_PARTS, CONFIGURATION)
     for gone, record in enumerate(table[: 2 ** len(parts)]):
         attached = tuple(part for bit, part in enumerate(parts) if not gone >> bit & 1)
@@ -75,7 +75,7 @@ def _configurations(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank
 
 
 def _hang(configurations: np.ndarray, hung: np.ndarray, vehicle: VehicleParams) -> None:
-    """Set the point of the riser in the configurations without a pack and with its carrier."""
+    """Set the point of the riser where a parachute is out of its pack and its carrier still attached."""
     configurations["hung_at"] = configurations["centre"]
     gone = np.arange(len(configurations))
     for chute, slot in zip(vehicle.parachutes, hung, strict=False):
@@ -125,7 +125,7 @@ def _believe_airframe(record: np.void, scenario: Scenario, tables: np.ndarray) -
 
 
 def _wing_opens(scenario: Scenario, quantity: str) -> float:
-    """Value of ``quantity`` at which the mission opens the trim wing; 0 when by another or never."""
+    """Value of ``quantity`` at which the mission opens the trim wing; 0 if it does so otherwise or never."""
     wings = (
         event.when
         for phase in scenario.mission.phases
@@ -160,7 +160,7 @@ def _drag_and_lift(vehicle, table, gas, mach, alpha, wing):
 
 @kernel
 def _trim(vehicle, table, gas, mach, goal, search):
-    """Angle of attack (rad) without pitching moment within ``search`` of ``goal``, or ``goal``."""
+    """Angle of attack (rad) without pitching moment within ``search`` of ``goal``, else ``goal``."""
     low, high = goal - search, goal + search
     at_low = _force_and_moment(vehicle, table, gas, mach, alpha=low, wing=0.0)[2]
     at_high = _force_and_moment(vehicle, table, gas, mach, alpha=high, wing=0.0)[2]
@@ -193,7 +193,7 @@ def _force_and_moment(vehicle, table, gas, mach, alpha, wing):
 
 
 def believe_drifter(record: np.void, vehicle: VehicleParams) -> None:
-    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and its parachute, if it has one."""
+    """Fill a ``DRIFTER`` record of zeros from the nominal backshell and its parachute, if there is one."""
     masses = {part.name: part.mass_kg for part in vehicle.parts}
     shells = [part for part in vehicle.parts if part.shape == "backshell"]
     for chute in vehicle.parachutes:

@@ -36,9 +36,9 @@ from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, un
 
 #: Shortest step from one row of the plan to the next, s.
 SHORTEST_STEP = 0.1
-#: Most rows of a plan, and depth (m) below the site at which it ends.
+#: Largest number of rows of a plan, and depth (m) below the site at which it ends.
 MAX_ROWS, TOO_LOW = 8000, 4000.0
-#: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and most flights to find it.
+#: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and largest number of flights of the search.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
@@ -63,11 +63,11 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
 
     Args:
         onboard: onboard record array of length one, its models, mission and aim point filled.
-        scenario: the nominal one.
+        scenario: the nominal scenario.
         about: shift of cos(bank) near which the solution is searched first.
 
     Returns:
-        the rows of the plan, ``PLANNED``; if no bank angle reaches the aim point, those of the nearest.
+        the rows of the plan, ``PLANNED``; if no bank angle reaches the aim point, those of the nearest end.
     """
     record, start = onboard[0], start_of(scenario)
     shift = 0.0
@@ -78,7 +78,7 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
 
 
 def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
-    """Rows of the plan, ``PLANNED``, whose shift stands in ``onboard[0]["reference"]``."""
+    """Fly the plan with the shift in ``onboard[0]["reference"]``; return its rows, ``PLANNED``."""
     return fly_shifted(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
 
 
@@ -95,7 +95,7 @@ def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
 
 
 def _met(miss: Callable[[float], float], about: float | None) -> float:
-    """Zero of ``miss`` within all shifts that have an effect, or the end nearest to one."""
+    """Shift at which ``miss`` is zero, or the end of the effective shifts that is nearer to zero miss."""
     widest = (-2.0, 2.0)
     spans = [widest] if about is None else [(about - 0.05, about + 0.05), widest]
     for low, high in spans:
@@ -109,7 +109,7 @@ def _false_position(
     miss: Callable[[float], float], below: tuple[float, float], above: tuple[float, float]
 ) -> float:
     """Zero of ``miss`` between two arguments, each with its value: false position, Illinois variant (Dowell &
-    Jarratt 1971, BIT 11); where it jumps, the place of the jump.
+    Jarratt 1971, BIT 11); where ``miss`` jumps, the place of the jump.
     """
     (low, short), (high, far) = below, above
     for _ in range(MOST_FLIGHTS):
@@ -129,10 +129,10 @@ def fly_plan(bank_side, onboard, start, shift, cycle, stride, history, scratch):
     """Fly from ``start`` to the final speed or Mach number; return the count of rows written.
 
     Args:
-        bank_side: that of the reversal logic.
+        bank_side: kernel of the reversal logic.
         onboard: ``ONBOARD`` record.
         start: position (m) and velocity (m/s) in F.
-        shift: of the cosine of the open-loop bank angle.
+        shift: shift of the cosine of the open-loop bank angle.
         cycle: base cycle of the flight software, s.
         stride: cycles from one row to the next.
         history: ``PLANNED`` records, written.

@@ -160,7 +160,7 @@ def initial_plant(scenario: Scenario, case: np.ndarray) -> np.ndarray:
 
 @cache
 def _new_plant() -> np.ndarray:
-    """State of every plant at the begin: all parts attached, no event past."""
+    """State of every plant at t = 0: all parts attached, no event past."""
     plant = np.zeros(1, STATE)
     record = plant[0]
     record["attached"][:] = 1
@@ -194,7 +194,7 @@ def initial_fsw(onboard: np.ndarray, layout: np.dtype = FSW) -> np.ndarray:
 
 @cache
 def _new_fsw(layout: np.dtype) -> np.ndarray:
-    """Memory of every flight computer at the begin."""
+    """Memory of every flight computer at t = 0."""
     fsw = np.zeros(1, layout)
     fsw["health"]["thruster"] = 1
     for name in INSTRUMENT_HEALTH.names or ():

@@ -115,7 +115,7 @@ class Scenario(Params):
         record=False,
         min_length=1,
     )
-    description: str = param("", "what it shows", record=False)
+    description: str = param("", "subject of the scenario in a few words", record=False)
     plugins: list[str] = param(
         None,
         "Python files beside the scenario whose laws it may choose: they run as your own code",
@@ -142,7 +142,7 @@ class Scenario(Params):
     sensors: SensorParams = group(SensorParams, "sensors")
     flight_software: FlightSoftwareParams = group(FlightSoftwareParams, "flight software")
     mission: MissionParams = group(MissionParams, "mission phases")
-    limits: LimitParams = group(LimitParams, "limits that a success keeps")
+    limits: LimitParams = group(LimitParams, "limits of a successful flight")
     faults: Annotated[list[FaultParams], Capacity(MAX_FAULTS)] = param(
         None,
         "faults, unknown to the flight computer",
@@ -173,7 +173,7 @@ class Scenario(Params):
 
     @property
     def initial_altitude_m(self) -> float:
-        """Height of the initial state above the ellipsoid."""
+        """Height (m) of the initial state above the ellipsoid."""
         initial = self.initial
         if initial.altitude_m is not None:
             return initial.altitude_m
@@ -188,7 +188,7 @@ class Scenario(Params):
 
     @property
     def site_areoid_m(self) -> float:
-        """Height of the areoid at the landing site above the ellipsoid."""
+        """Height (m) of the areoid at the landing site above the ellipsoid."""
         return areoid_height(self.planet, *self.site[:2])
 
     @property
@@ -213,7 +213,7 @@ class Scenario(Params):
 
     @property
     def navigation_filter(self) -> str:
-        """Name of the navigation filter that flies: with perfect sensors none, their word is taken."""
+        """Name of the navigation filter that flies; ``given`` with perfect sensors, which need none."""
         perfect = self.sensors_in_flight.set == "perfect"
         return "given" if perfect else self.flight_software.navigation.filter
 
@@ -226,7 +226,7 @@ class Scenario(Params):
 
     @property
     def components(self) -> dict[Component, list[str]]:
-        """Names of all that may fail, by kind of component."""
+        """Names of all components that may fail, by kind."""
         sensors, branches = self.sensors_in_flight, list(self.branches)
         return {**vehicle_components(self.vehicle), **instrument_names(sensors, branches)}
 

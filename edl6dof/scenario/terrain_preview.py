@@ -68,7 +68,7 @@ class TerrainPreview:
 
     @property
     def map(self) -> np.ndarray:
-        """The global map (m), shape (180, 360), from 89.5 north and 179.5 west; zeros without one."""
+        """The global map (m), shape (180, 360), from 89.5 north and 179.5 west; zeros if there is no map."""
         return self._grid["map"]["height"].astype(float)
 
 

@@ -53,8 +53,8 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     """Build the truth of one flight, shape (1,).
 
     Args:
-        scenario: the true one.
-        tables: of :func:`build_tables`.
+        scenario: the true scenario.
+        tables: result of :func:`build_tables`.
     """
     cases = np.zeros(1, CASE)
     case, s, table = cases[0], scenario, tables[0]

@@ -28,15 +28,15 @@ from edl6dof.vehicle.plant import HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 #: Normals that the instruments of one kind may use in a cycle.
 _NORMALS = 32
-#: Of them, the first is for the white noise of each; these are for the noise of faults and for the walk of
-#: the biases.
+#: Offsets among these normals: of the noise of faults, and of the walk of the biases; the white noise of each
+#: instrument comes first.
 _FAULTY, _WALK = 8, 24
 #: Cycles from the walk of one bias to that of the next.
 _PAUSE = 8
 
 
 class SenseAxis(Params):
-    """One gyro or accelerometer."""
+    """One instrument with a sensitive axis: a gyro or accelerometer, a radar beam, a pressure port."""
 
     name: Key = param(REQUIRED, "name, unique in the unit", record=False, min_length=1)
     axis: Vec3 = param(REQUIRED, "unit vector of its sensitive axis in B", min_length=3)
@@ -45,7 +45,7 @@ class SenseAxis(Params):
 
 
 def axes_towards(letter: str, angles: Iterable[tuple[float, float]]) -> list[SenseAxis]:
-    """Axes ``letter``1, 2, ... by their angles from x of B and about it from y, rad."""
+    """Axes named ``letter``1, 2, ... by their angles (rad) from x of B, and about x of B from y."""
     return [
         SenseAxis(name=f"{letter}{k}", axis=(cos(lean), sin(lean) * cos(turn), sin(lean) * sin(turn)))
         for k, (lean, turn) in enumerate(angles, 1)
@@ -60,19 +60,19 @@ def cone(letter: str) -> list[SenseAxis]:
 
 
 def copy_layout(slots: int) -> np.dtype:
-    """Errors of the units of one kind that fly: the true axes, relative errors of scale, biases (rad/s or
-    m/s2) at the start, and the key of their noise.
+    """Layout of the errors of the instruments of one kind in a case: the true axes, relative errors of scale,
+    biases (rad/s or m/s2) at the start, and the key of their noise.
     """
     fields = [("axis", "f8", (slots, 3)), ("scale", "f8", (slots,)), ("bias", "f8", (slots,)), ("key", "i8")]
     return np.dtype(fields, align=True)
 
 
 def counter_layout(slots: int) -> np.dtype:
-    """Memory of the instruments of one kind."""
+    """Layout of the memory of the instruments of one kind."""
     return record(
         ("count", "f8", (slots,)),  # rad or m/s, since the start
         ("walk", "f8", (slots,)),  # rad/s or m/s2: how far each bias has walked
-        ("error", "f8", (slots,)),  # rad/s or m/s2: of the rate over the last cycle, scale left out
+        ("error", "f8", (slots,)),  # rad/s or m/s2: of the last cycle, without the error of scale
         ("last", "f8", (slots,)),  # rad or m/s, counted in the last cycle
         ("flagged_until", "f8", (slots,)),  # s: how long the flag of saturation stays
     )
@@ -89,7 +89,9 @@ def draw_copies(given: np.void, rng: Stream, copy: np.void) -> None:
 
 
 def turned(axes: np.ndarray, sigma: float, rng: Stream) -> np.ndarray:
-    """Unit vectors (n, 3), each turned by a small angle of deviation ``sigma`` (rad) about any axis."""
+    """Unit vectors (n, 3), each turned by a small random angle of standard deviation ``sigma`` (rad) about
+    any axis.
+    """
     off = sigma * rng.standard_normal(axes.shape)
     off -= np.sum(off * axes, axis=1, keepdims=True) * axes
     true = axes + off
@@ -107,10 +109,10 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
         faults: ``READING_FAULT`` records.
         moved: integral of the motion over the cycle (B), rad or m/s.
         t, dt: end and length of the cycle, s.
-        cycle: its number.
+        cycle: number of the cycle.
         memory: record of :func:`counter_layout`.
         readings: written: the count of each instrument.
-        flags: written: whether each met the end of its range, or did so not long ago.
+        flags: written: 1 for each instrument that met the end of its range in the last ``persistence`` s.
     """
     most, first = params.range * dt, _NORMALS * cycle
     density = params.noise / sqrt(dt) if dt > 0.0 else 0.0
@@ -144,7 +146,9 @@ def count(params, copy, faults, moved, t, dt, cycle, memory, readings, flags):
 
 @kernel
 def faulty_count(mode, last, wanted, most):
-    """Count of a failed instrument: ``last`` one, ``wanted`` of a healthy one, ``most`` of its range."""
+    """Count of a failed instrument in a cycle; ``last``: its previous count, ``wanted``: that of a healthy
+    instrument, ``most``: largest count.
+    """
     if mode == STUCK:
         return last
     if mode == HARDOVER:
@@ -156,7 +160,7 @@ def faulty_count(mode, last, wanted, most):
 
 @kernel
 def walk(params, copy, dt, cycle, memory):
-    """Let one bias, each in its turn, walk as far as it would have since its last turn, a second ago."""
+    """Advance the random walk of one bias, each in turn, by the time since its last turn."""
     if cycle % _PAUSE == 0 and params.bias_walk > 0.0:
         i, n = (cycle // _PAUSE) % params.n_axes, params.n_axes
         far, _ = normal_pair(copy.key, _NORMALS * cycle + _WALK)
@@ -165,7 +169,9 @@ def walk(params, copy, dt, cycle, memory):
 
 @kernel
 def rates(params, copy, faults, rate, dt, memory, readings):
-    """The rate (B) that the instruments read at the end of the cycle that :func:`count` has just counted."""
+    """Rate that each instrument reads at the end of the cycle just counted by :func:`count`; ``rate``: true
+    rate (B).
+    """
     for i in range(params.n_axes):
         axis = (copy.axis[i, 0], copy.axis[i, 1], copy.axis[i, 2])
         read = (1.0 + copy.scale[i]) * dot(axis, rate) + memory.error[i]

@@ -30,7 +30,7 @@ from edl6dof.vehicle.plant import WORKING
 
 #: Readings that can be under way.
 DEPTH = 8
-#: Normals that the meters may use in a cycle; of them, these and the following are for the noise of faults.
+#: Normals that the meters may use in a cycle, and the first of those for the noise of faults.
 _NORMALS, _FAULTY = 64, 32
 
 
@@ -58,14 +58,14 @@ class FlowMetersParams(Params):
     quantum_kg: float = param(1e-6, "mass of one count; 0: none", status="estimate", ge=0.0, le=1.0)
 
 
-#: Errors of the copies that fly.
+#: Errors of the meters in this case.
 UNIT = record(
     ("scale", "f8", (MAX_BRANCHES,)),  # relative
     ("bias", "f8", (MAX_BRANCHES,)),  # of the full flow
     ("key", "i8"),  # of the noise
 )
 
-#: Memory of the meters: when they counted last, what had flowed and been counted, readings under way.
+#: Memory of the meters: time of the last reading, mass that had flowed and been counted, readings under way.
 MEMORY = record(
     ("taken", COUNT),
     ("t", "f8"),  # s
@@ -78,7 +78,7 @@ MEMORY = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Count the flow since the last reading and hand out the count of ``delay_cycles`` ago."""
+    """Count the flow since the last reading and deliver the count of ``delay_cycles`` ago."""
     cycle, dt = memory.taken, plant.t - memory.t
     now, old = cycle % DEPTH, max(cycle - params.delay_cycles, 0) % DEPTH
     walk, second = params.noise * sqrt(dt), 0.0
@@ -104,7 +104,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 
 def plan(params: FlowMetersParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copies that fly."""
+    """Draw the errors of the meters in this case."""
     given = in_si(params)
     unit["scale"] = given["scale"] * rng.standard_normal(MAX_BRANCHES)
     unit["bias"] = given["bias"] * rng.standard_normal(MAX_BRANCHES)

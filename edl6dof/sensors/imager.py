@@ -1,15 +1,15 @@
 """Imagers (landing camera, lidar, stereo cameras): misalignment, line of sight, the ground in view, and the
 parts of the vehicle that hide it.
 
-The unit that flies looks along directions turned by a small rotation from those that the flight computer
-believes.  Places on the ground are those of the landing area: metres north and east of the site, and metres
-above its elevation.  They are straight over the hundred metres that an imager sees at once; the curvature of
-the planet makes less than a tenth of a millimetre there.
+The true directions of an imager are turned by a small rotation from those that the flight computer assumes.
+Places on the ground are those of the landing area: metres north and east of the site, and metres above its
+elevation.  They are straight over the hundred metres that an imager sees at once; the curvature of the planet
+makes less than a tenth of a millimetre there.
 
-Parts that have left the vehicle hide the ground as discs as large as their drag areas: that of a backshell or
-of a canopy is about that of its silhouette (drag coefficients of 1.0 to 1.2, and 0.62 of a nominal area of
-which an open canopy shows 0.6).  A canopy that went with the part that carries it hangs its lines' length
-above that.
+Parts that have left the vehicle hide the ground as discs as large as their drag areas: the drag area of a
+backshell or of a canopy is about the area of its silhouette (drag coefficients of 1.0 to 1.2, and 0.62 of a
+nominal area of which an open canopy shows 0.6).  A canopy that left with a part hangs above it at the length
+of its lines.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def reciprocal_axes(axes):
 
 @kernel
 def places_per_metre(terrain, planet, sin_lat, cos_lat, altitude):
-    """Metres of place, which are true at the site, for a metre north and a metre east at an altitude (m)."""
+    """Change of place (m, true at the site) by a metre north and by a metre east at an altitude (m)."""
     e2 = planet.flattening * (2.0 - planet.flattening)
     root = sqrt(1.0 - e2 * sin_lat * sin_lat)
     prime = planet.equatorial_radius / root
@@ -112,7 +112,7 @@ def places_per_metre(terrain, planet, sin_lat, cos_lat, altitude):
 
 
 class ImagerParams(Hardware):
-    """Imager."""
+    """Parameters that all imagers have."""
 
     misalignment_deg: float = param(
         0.02,
@@ -123,13 +123,13 @@ class ImagerParams(Hardware):
     )
 
 
-#: The unit that flies: misalignment, a small rotation in B (rad); constant error of its ranges (m); key of
-#: its noise.
+#: Errors of an imager in this case: misalignment, a small rotation in B (rad); constant error of its ranges
+#: (m); key of its noise.
 IMAGER_UNIT = record(("turn", "f8", (3,)), ("bias", "f8"), ("key", "i8"))
 
 
 def draw_imager(params: ImagerParams, rng: Stream, unit: np.void) -> None:
-    """Draw the misalignment of the unit that flies, and the key of its noise."""
+    """Draw the misalignment of an imager in this case, and the key of its noise."""
     unit["turn"] = in_si(params)["misalignment"] * rng.standard_normal(3)
     unit["key"] = rng.keys()
 
@@ -142,7 +142,7 @@ def view_range(params, plant):
 
 @kernel
 def lay_tile_in_view(case, tables, origin, axes, height, reach, tile):
-    """Lay the ground around the point in view up to ``reach`` (m) from the pose of :func:`imager_pose`."""
+    """Fill the tile with the ground in view, up to ``reach`` (m) from the pose of :func:`imager_pose`."""
     ahead = axes[0]
     way = height / max(-ahead[2], LEVEL)
     if way <= reach:
@@ -151,7 +151,7 @@ def lay_tile_in_view(case, tables, origin, axes, height, reach, tile):
         clear_tile(tile)
 
 
-#: A disc for each part, and one for what hangs above it.
+#: Largest number of discs: one for each part, and one for the canopy above it.
 _MOST = 2 * MAX_PARTS
 DISCS = record(
     ("n", whole(0, _MOST)),

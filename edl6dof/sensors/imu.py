@@ -2,7 +2,7 @@
 each branch, some cycles old when they reach the flight computer.
 
 As in a real unit the accelerometers count up the integral of specific force, so that nothing between two
-readings is lost.  No noise, bias or quantisation yet; the unit sits at the centre of mass.
+readings is lost.  Without noise, bias and quantisation; the unit sits at the centre of mass.
 
 Source: Titterton and Weston, Strapdown Inertial Navigation Technology (2004), chapter 11.
 """
@@ -43,9 +43,7 @@ READINGS = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Take a reading and hand out the one taken ``delay_cycles`` ago (the first one while there is no
-    older).
-    """
+    """Take a reading and deliver the one taken ``delay_cycles`` ago (at first, the first reading)."""
     slot = memory.taken % DEPTH
     old = max(memory.taken - params.delay_cycles, 0) % DEPTH
     memory.taken += 1

@@ -1,7 +1,7 @@
 """Inertial unit: gyros and accelerometers along any axes, at one place of the body.
 
-What they count over a cycle follows from the true motion: the integral of the rate from the turn of the body,
-as its rotation vector less the coning term h^2/12 w0 x w1 (rate linear in time); the integral of the specific
+Their counts over a cycle follow from the true motion: the integral of the rate from the turn of the body, as
+its rotation vector less the coning term h^2/12 w0 x w1 (rate linear in time); the integral of the specific
 force at the unit from that of the centre of mass, the recoil of separations, and the lever arm l between the
 two: (w1 - w0) x l + h w x (w x l).
 Vibration with the engines shakes the unit about and along the axes of B (``vibration.py``).
@@ -89,7 +89,7 @@ class AccelerometerParams(Params):
 class InertialUnitParams(Hardware):
     """Inertial unit of real gyros and accelerometers."""
 
-    position_m: Vec3 = param((-0.9, 0.3, 0.0), "where it sits, B", status="estimate", min_length=3)
+    position_m: Vec3 = param((-0.9, 0.3, 0.0), "position of the unit in B", status="estimate", min_length=3)
     delay_cycles: int = param(
         1,
         "base cycles between a reading and its arrival in the flight computer",
@@ -102,14 +102,14 @@ class InertialUnitParams(Hardware):
     vibration: VibrationParams = group(VibrationParams, "vibration with the engines")
 
 
-#: Errors of the copy that flies.
+#: Errors of the unit in this case.
 UNIT = record(
     ("gyro", copy_layout(MAX_GYROS)),
     ("accelerometer", copy_layout(MAX_ACCELEROMETERS)),
     ("mount", MOUNT),
 )
 
-#: Memory of the unit: the motion at the last reading, what has been counted, and readings under way.
+#: Memory of the unit: the motion at the last reading, the counts, and readings under way.
 MEMORY = record(
     ("taken", COUNT),
     ("t", "f8"),  # s
@@ -126,7 +126,7 @@ MEMORY = record(
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Measure the motion since the last reading and hand out the reading of ``delay_cycles`` ago."""
+    """Measure the motion since the last reading and deliver the reading of ``delay_cycles`` ago."""
     turned, gained, w, dt = motion_since(params, plant, outputs, memory)
     cycle = memory.taken
     shaken_rate, shaken_turn, shaken_gain = shake(
@@ -160,8 +160,8 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 @kernel
 def motion_since(params, plant, outputs, memory):
-    """Integrals (B) of the rate, and of the specific force where the unit sits, since the last reading; the
-    rate now, and the time since then.  Remembers the present motion.
+    """Integrals (B) of the rate, and of the specific force at the unit, since the last reading; the present
+    rate, and the time (s) since then.  Stores the present motion in ``memory``.
     """
     y = plant.y
     q = take_attitude(y)
@@ -188,7 +188,7 @@ def motion_since(params, plant, outputs, memory):
 
 @kernel
 def lag(gyros, w, dt, memory):
-    """Rate ``w`` (B) after the bandwidth of the gyros."""
+    """Rate ``w`` (rad/s, B) behind the first-order lag of the gyros."""
     share = 1.0
     if memory.taken > 0 and gyros.bandwidth > 0.0:
         share = 1.0 - exp(-2.0 * pi * gyros.bandwidth * dt)
@@ -211,7 +211,7 @@ def hand_out(reading, inertial):
 
 
 def plan(params: InertialUnitParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     draw_copies(in_si(params.gyros), rng, unit["gyro"])
     draw_copies(in_si(params.accelerometers), rng, unit["accelerometer"])
     draw_mount(rng, unit["mount"])

@@ -1,10 +1,10 @@
 """Landing camera: an image of the share of the ground that obstacles take, as far as the camera resolves
 them.
 
-An obstacle is resolved from some pixels on; the motion of the image during the exposure, by speed and by
-rotation, blurs that, and smears the image along itself. Cells that look past the ground, farther than the
-camera sees, or at the backshell, the canopy or another part, show no ground; nor does a cell that moves
-across the whole image.
+The camera resolves obstacles of at least some pixels.  Motion of the image during the exposure, by speed and
+by rotation, raises this limit and smears the image along the motion. Cells that look past the ground, farther
+than the camera sees, or at the backshell, the canopy or another part, show no ground; nor does a cell that
+moves across the whole image.
 
 Lines of sight along the corners of a cell are intersected with the ground without generated rocks and
 craters, which are low at the heights that images are taken from; the generated surface then gives the heights
@@ -73,7 +73,9 @@ GROUND_CELLS = record(
 
 @kernel
 def lay_cells(case, tables, pose, tangent, reach, cells):
-    """Find the ground that the corners show, up to ``reach`` (m); ``pose``: of :func:`imager_pose`."""
+    """Find the ground seen along the corners of the cells, up to ``reach`` (m); ``pose``: of
+    :func:`imager_pose`.
+    """
     origin, axes, height = pose
     terrain = case.terrain
     for i in range(CORNERS):
@@ -142,7 +144,7 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 
     Args:
         area: ``LANDING_AREA`` record.
-        view: of the imager: origin, :func:`reciprocal_axes`, tangent of half the field of view.
+        view: origin of the imager, :func:`reciprocal_axes`, tangent of half the field of view.
         cells: ``GROUND_CELLS`` record.
         smallest: diameter (m) of the smallest obstacle that can be made out.
         steepest: tangent of the slope from which on ground is an obstacle.
@@ -219,10 +221,14 @@ class LandingCameraParams(ImagerParams):
     largest = {"m": 1e5}
 
     field_of_view_deg: float = param(
-        60.0, "of the image, rows and columns", status="estimate", gt=0.0, le=120.0
+        60.0, "field of view along rows and along columns", status="estimate", gt=0.0, le=120.0
     )
-    position_m: Vec3 = param((-0.5, -0.6, 0.0), "where it sits, B", status="estimate", min_length=3)
-    pixels: int = param(1024, "along each side of the image", status="estimate", ge=CAMERA_CELLS, le=16384)
+    position_m: Vec3 = param(
+        (-0.5, -0.6, 0.0), "position of the camera in B", status="estimate", min_length=3
+    )
+    pixels: int = param(
+        1024, "pixels along each side of the image", status="estimate", ge=CAMERA_CELLS, le=16384
+    )
     smallest_px: float = param(
         2.0,
         "diameter of the smallest obstacle that it makes out, in pixels",
@@ -245,7 +251,7 @@ class LandingCameraParams(ImagerParams):
 MEMORY = record(
     ("cells", GROUND_CELLS),
     ("discs", DISCS),
-    ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image as without motion
+    ("sharp", "f4", (CAMERA_CELLS, CAMERA_CELLS)),  # the image without motion
     ("smear", "f8", (CAMERA_CELLS, CAMERA_CELLS, 2)),  # rows and columns that each cell moves by
 )
 

@@ -3,7 +3,7 @@
 A scan begins when it is commanded, and takes as many cycles as it has blocks of rows; each block is shot from
 where the vehicle is then, so that its motion bends the scan.  A ray meets the true ground (rocks included)
 within the tile of ground that lies in view when the scan begins; nothing comes back from beyond it, from too
-far away, from ground met too flat, and now and then from anywhere.
+far away, from ground met at too flat an angle, and at random times.
 
 Source: Johnson, Keim and Ivanov, Analysis of flash lidar field test data for safe lunar landing, IEEE
 Aerospace Conference (2010).
@@ -42,10 +42,10 @@ class LidarParams(ImagerParams):
     largest = {"m": 1e4}
 
     field_of_view_deg: float = param(
-        28.0, "of a scan, rows and columns: 50 m of ground from 100 m", status="derived",
+        28.0, "field of view along rows and columns: 50 m of ground from 100 m", status="derived",
         source="patch of Chang'e-3, hover of Tianwen-1", gt=0.0, le=90.0,
     )  # fmt: skip
-    position_m: Vec3 = param((-0.5, 0.6, 0.0), "where it sits, B", status="estimate", min_length=3)
+    position_m: Vec3 = param((-0.5, 0.6, 0.0), "position of the lidar in B", status="estimate", min_length=3)
     longest_m: float = param(300.0, "range beyond which nothing comes back", status="estimate", gt=0.0)
     incidence_deg: float = param(
         75.0, "largest angle between a ray and the normal of the ground", status="estimate", gt=0.0, lt=90.0
@@ -61,14 +61,14 @@ class LidarParams(ImagerParams):
 MEMORY = record(
     ("tile", GROUND_TILE),  # the ground in view when the scan began
     ("left", whole(0, SCAN_ROWS)),  # rows that are still to be shot
-    ("scans", COUNT),  # begun so far
+    ("scans", COUNT),  # number of scans begun
     ("mirror", whole(0, SCAN_ROWS - SCAN_BLOCK)),  # first row that the mirror turns the rays to
 )
 
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Begin a scan when it is commanded, and measure the next block of rows of the one that runs."""
+    """Begin a scan when commanded, and measure the next block of rows of the scan in progress."""
     lidar, faults = sensed.lidar, plant.instruments
     lidar.fresh = 0
     if faults.lidar_lost != 0:
@@ -110,7 +110,7 @@ def read(params, unit, way, number):
 
 
 def plan(params: LidarParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     draw_imager(params, rng, unit)
     unit["bias"] = in_si(params)["range_bias"] * rng.standard_normal()
 

@@ -1,7 +1,7 @@
-"""Pressure ports in the heat shield, as of an atmospheric data system, while it is attached.
+"""Pressure ports in the heat shield, as of an atmospheric data system, while the shield is attached.
 
 Modified Newtonian: p = p_inf + q Cp_max cos^2 of the angle between the outward normal of the port and the
-flow; none of it where the port lies in the lee.
+flow; p_inf where the port lies in the lee.
 
 Source: Karlgaard et al., Journal of Spacecraft and Rockets 51(4), 2014 (MEDLI); Anderson, Hypersonic and
 High-Temperature Gas Dynamics (2006), section 3.2.
@@ -39,7 +39,7 @@ class PressurePortsParams(Params):
     """Pressure ports; errors as standard deviations."""
 
     ports: Annotated[list[SenseAxis], Capacity(MAX_PORTS)] = param(
-        None, "the ports and the outward normals of the heat shield there", factory=cross_of_ports,
+        None, "the ports; axis: outward normal of the heat shield at the port", factory=cross_of_ports,
         min_length=1, max_length=MAX_PORTS,
     )  # fmt: skip
     stagnation_coefficient: float = param(
@@ -54,7 +54,7 @@ class PressurePortsParams(Params):
     _names_differ = field_validator("ports")(unique_names)
 
 
-#: The copy that flies: biases (Pa), relative errors of scale, key of the noise.
+#: Errors of the ports in this case: biases (Pa), relative errors of scale, key of the noise.
 UNIT = record(("bias", "f8", (MAX_PORTS,)), ("scale", "f8", (MAX_PORTS,)), ("key", "i8"))
 MEMORY = record(("cycle", COUNT))
 
@@ -75,7 +75,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 
 def plan(params: PressurePortsParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     given, n = in_si(params), len(params.ports)
     unit["bias"][:n] = given["bias"] * rng.standard_normal(n)
     unit["scale"][:n] = given["scale"] * rng.standard_normal(n)

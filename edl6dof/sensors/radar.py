@@ -2,9 +2,9 @@
 
 A beam measures to the real ground, or to a part that has left the vehicle and lies in the beam; the speed is
 that of the antenna, v + w x l relative to the turning planet, along the beam.  It sees nothing through the
-heat shield, from too high or too low, when the vehicle tilts too far, or where the ground is met too flat;
-now and then an echo is lost, more often in the dust that the engines raise.  What reflects unevenly shifts
-the range of each beam.
+heat shield, from too high or too low, when the vehicle tilts too far, or where it meets the ground at too
+flat an angle; an echo is lost at random, more often in the dust that the engines raise.  Uneven reflection
+shifts the range of each beam.
 
 Source: Chen and Pollard, Radar terminal descent sensor performance during Mars Science Laboratory landing,
 Journal of Spacecraft and Rockets 51(4), 2014.
@@ -58,13 +58,15 @@ class LobeParams(Params):
         ge=0.0,
         le=90.0,
     )
-    side_lobe_range_m: float = param(50.0, "distance up to which it does", status="estimate", ge=0.0, le=1e4)
+    side_lobe_range_m: float = param(
+        50.0, "largest distance of such a part", status="estimate", ge=0.0, le=1e4
+    )
 
 
 class DustParams(Params):
-    """Dust that the engines raise, at full thrust just above the ground; it thins with height and thrust."""
+    """Dust that the engines raise, at full thrust just above the ground; less at height and less thrust."""
 
-    height_m: float = param(10.0, "height at which there is none", status="estimate", ge=0.0, le=1000.0)
+    height_m: float = param(10.0, "height above which there is no dust", status="estimate", ge=0.0, le=1000.0)
     speed_noise_m_s: float = param(0.3, "noise added to the speed", status="estimate", ge=0.0, le=100.0)
     dropout: float = param(0.2, "probability that a beam loses its echo", status="estimate", ge=0.0, le=1.0)
 
@@ -77,7 +79,9 @@ class RadarParams(Hardware):
     beams: Annotated[list[SenseAxis], Capacity(MAX_BEAMS)] = param(
         None, "the beams and their directions", factory=four_beams, min_length=1, max_length=MAX_BEAMS
     )
-    position_m: Vec3 = param((-0.5, 0.0, 0.6), "where the antenna sits, B", status="estimate", min_length=3)
+    position_m: Vec3 = param(
+        (-0.5, 0.0, 0.6), "position of the antenna in B", status="estimate", min_length=3
+    )
     every_cycles: int = param(5, "base cycles from one reading to the next", status="estimate", ge=1, le=1000)
     highest_m: float = param(
         7000.0, "height of the antenna above the ground above which it sees nothing", status="published",
@@ -99,7 +103,7 @@ class RadarParams(Hardware):
     )
     range_noise_m: float = param(0.1, "noise of the range", status="estimate", ge=0.0)
     range_noise_relative_pct: float = param(
-        0.25, "more of it, of the range", status="estimate", ge=0.0, le=100.0
+        0.25, "additional noise, of the range", status="estimate", ge=0.0, le=100.0
     )
     range_scale_pct: float = param(
         0.15,
@@ -113,7 +117,7 @@ class RadarParams(Hardware):
     )
     speed_noise_m_s: float = param(0.033, "noise of the speed", status="estimate", ge=0.0)
     speed_noise_relative_pct: float = param(
-        0.25, "more of it, of the speed", status="estimate", ge=0.0, le=100.0
+        0.25, "additional noise, of the speed", status="estimate", ge=0.0, le=100.0
     )
     speed_scale_pct: float = param(
         0.05,
@@ -128,7 +132,8 @@ class RadarParams(Hardware):
     _names_differ = field_validator("beams")(unique_names)
 
 
-#: The copy that flies: true directions (B), errors of scale, shifts of the range (m), key of the noise.
+#: Errors of the radar in this case: true directions (B), errors of scale, shifts of the range (m), key of
+#: the noise.
 UNIT = record(
     ("axis", "f8", (MAX_BEAMS, 3)),
     ("range_scale", "f8", (MAX_BEAMS,)),
@@ -141,7 +146,7 @@ MEMORY = record(("cycle", COUNT))
 
 @kernel
 def measure(params, unit, case, tables, plant, outputs, memory, sensed):
-    """Let every beam measure, in cycles in which the radar does."""
+    """Measure with every beam, in cycles in which the radar measures."""
     radar, cycle = sensed.radar, memory.cycle
     memory.cycle += 1
     radar.fresh = 1 if cycle % params.every_cycles == 0 else 0
@@ -213,7 +218,7 @@ def read(params, unit, faults, i, echo, first, radar):
 
 
 def plan(params: RadarParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     given, n = in_si(params), len(params.beams)
     unit["axis"][:n] = turned(given["beams"]["axis"][:n], given["misalignment"], rng)
     for name in ("range_scale", "speed_scale"):

@@ -2,8 +2,8 @@
 
 The ground is the true one, or a square tile of it for many rays: heights on a lattice, with a bilinear
 surface between them.  A ray walks from cell to cell of the lattice below its highest node, and meets the
-surface of a cell where a quadratic in the distance along it has its first root: exact, whatever stands on the
-ground.
+surface of a cell where a quadratic in the distance along it has its first root: exact, with rocks on the
+ground too.
 
 Vectors of beams are in the planet-fixed frame F, except those of the parts, whose positions and velocities
 are inertial; rays on a tile are in m north, east and up.
@@ -122,13 +122,13 @@ GROUND_TILE = record(
     ("work", RASTER_WORK),
 )
 
-#: Way (m) to a line of the lattice for a ray along it.
+#: Distance (m) to the next line of the lattice for a ray parallel to the lines.
 _NEVER = 1e30
 
 
 @kernel
 def lay_tile(case, tables, north, east, tile):
-    """Lay a tile of the ground around a place (m north and east of the site)."""
+    """Fill a tile with the ground around a place (m north and east of the site)."""
     tile.cell = case.terrain.landing_area.cell
     half = 0.5 * (TILE_NODES - 1) * tile.cell
     tile.north, tile.east = lay_raster(
@@ -143,7 +143,7 @@ def lay_tile(case, tables, north, east, tile):
 
 @kernel
 def clear_tile(tile):
-    """Leave no ground for rays to meet."""
+    """Empty a tile, so that no ray meets ground."""
     tile.top = -_NEVER
 
 
@@ -195,8 +195,9 @@ def trace_ray(tile, origin, ray, reach):
 
 @kernel
 def _lines(share, speed):
-    """Side to which a ray, at a share of a cell and of so many cells a metre, crosses the lines of the
-    lattice, and the ways (m) to the first one and from one to the next.
+    """Step (1 or -1) of a ray from cell to cell along an axis of the lattice, and the distances (m) to the
+    first line and between lines; ``share``: place in the first cell (0..1), ``speed``: cells per metre of the
+    ray.
     """
     if speed > 0.0:
         return 1, (1.0 - share) / speed, 1.0 / speed

@@ -1,11 +1,11 @@
 """The sensors that a scenario may name in ``sensors.carried``; each writes its own part of the sensed record.
 
 A member's kernel ``measure(params, unit, case, tables, plant, outputs, memory, sensed)`` runs in every base
-cycle.  ``params``, ``unit`` and ``memory`` are its own: ``unit`` holds the errors of the copy that flies in
-this case, drawn by the member's ``plan(params, rng, unit)`` from the generator that belongs to sensor and
-case.  Noise in flight comes from :mod:`edl6dof.spatial.random_numbers`, with a key that ``plan`` draws.
-A sensor that is named after another one may write over what that one measured: a list ``[perfect, imu,
-star_tracker]`` takes the attitude from the star tracker and the rest from the others.
+cycle.  ``params``, ``unit`` and ``memory`` are its own: ``unit`` has the errors of the sensor in this case,
+drawn by the member's ``plan(params, rng, unit)`` from the generator that belongs to sensor and case.  Noise
+in flight comes from :mod:`edl6dof.spatial.random_numbers`, with a key that ``plan`` draws.  A sensor that is
+named after another one may overwrite its measurements: a list ``[perfect, imu, star_tracker]`` takes the
+attitude from the star tracker and the rest from the others.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ SENSOR_FAMILY = Family(
 
 #: Sensors that a vehicle may carry.
 MAX_SENSORS = 12
-#: Those that make images: they have no ideal counterpart.
+#: Sensors that make images: they have no ideal counterpart.
 IMAGERS: tuple[Component, ...] = ("landing_camera", "lidar", "stereo")
-#: Those that stand for whatever is carried in the set ``perfect``, and those that are left on top of them.
+#: Sensors of the set ``perfect``, and those of ``carried`` that it keeps.
 PERFECT_SET, ON_TOP = ("perfect", "imu"), ("navigation_error", *IMAGERS)
 
 if TYPE_CHECKING:
@@ -69,13 +69,13 @@ class SensorParams(_Sections):
 
     set: Literal["carried", "perfect"] = param(
         "carried",
-        "carried: the sensors named below; perfect: ideal ones instead, as of any point mass, with "
-        "navigation_error, landing_camera, lidar and stereo where those are named",
+        "carried: the sensors named below; perfect: ideal ones, as for every point mass, and of the sensors "
+        "named only navigation_error, landing_camera, lidar and stereo",
         record=False,
     )
     carried: Annotated[list[SensorName], Capacity(MAX_SENSORS)] = param(
         None,
-        "sensors that fly; a later one writes over what an earlier one measured",
+        "sensors that fly; a later one overwrites the measurements of an earlier one",
         factory=lambda: list(PERFECT_SET),
         min_length=1,
         max_length=MAX_SENSORS,
@@ -89,7 +89,7 @@ class SensorParams(_Sections):
         return [*PERFECT_SET, *(name for name in self.carried if name in ON_TOP)]
 
 
-#: The sensors of a case: their parameters, and the errors of the copies that fly in it.
+#: The sensors of a case: their parameters and their errors.
 SENSOR_UNITS = record(("params", dtype_of(SensorParams)), ("unit", SENSOR_FAMILY.tables))
 
 #: Record that crosses to the flight software, and the memories of the sensors.
@@ -126,7 +126,7 @@ def _flown(params: SensorParams) -> list[int]:
 
 @kernel
 def sense(measure, case, tables, plant, outputs, sensors):
-    """Let the sensors that are carried write what they measure into ``sensors.sensed``."""
+    """Write the measurements of the carried sensors into ``sensors.sensed``."""
     params, unit, sensed = case.sensors.params, case.sensors.unit, sensors.sensed
     sensed.t = plant.t
     for k in range(params.n_carried):

@@ -26,10 +26,14 @@ class StarTrackerParams(Hardware):
     """Star tracker; errors as standard deviations."""
 
     boresight: Vec3 = param(
-        (0.0, 0.0, -1.0), "unit vector in which it looks, B", status="estimate", min_length=3
+        (0.0, 0.0, -1.0), "unit vector of the line of sight in B", status="estimate", min_length=3
     )
-    noise_arcsec: float = param(8.0, "noise about each axis across it", status="estimate", ge=0.0, le=36000.0)
-    boresight_noise_arcsec: float = param(24.0, "noise about it", status="estimate", ge=0.0, le=36000.0)
+    noise_arcsec: float = param(
+        8.0, "noise about each axis across the boresight", status="estimate", ge=0.0, le=36000.0
+    )
+    boresight_noise_arcsec: float = param(
+        24.0, "noise about the boresight", status="estimate", ge=0.0, le=36000.0
+    )
     misalignment_arcsec: float = param(
         10.0, "error of alignment about each axis, drawn for each case", status="estimate", ge=0.0, le=36000.0
     )
@@ -49,8 +53,8 @@ class StarTrackerParams(Hardware):
     _unit_length = field_validator("boresight")(unit_vector)
 
 
-#: The copy that flies: its alignment, a small rotation in B (rad), the key of its noise, and the number of
-#: the event that ends its view, counted from one; zero for none.
+#: Errors of the tracker in this case: its alignment, a small rotation in B (rad), and the key of its noise;
+#: and the number of the event that ends its view, counted from one; zero for none.
 UNIT = record(("misalignment", "f8", (3,)), ("key", "i8"), ("until", "i8"))
 MEMORY = record(("cycle", COUNT))
 
@@ -84,7 +88,7 @@ def noise(params, unit, cycle):
 
 
 def plan(params: StarTrackerParams, rng: Stream, unit: np.void) -> None:
-    """Draw the alignment of the copy that flies."""
+    """Draw the alignment error of this case."""
     unit["misalignment"] = in_si(params)["misalignment"] * rng.standard_normal(3)
     unit["key"] = rng.keys()
 

@@ -41,12 +41,19 @@ class StereoParams(ImagerParams):
 
     largest = {"m": 1e4}
 
-    field_of_view_deg: float = param(28.0, "of the map, rows and columns", status="estimate", gt=0.0, le=90.0)
+    field_of_view_deg: float = param(
+        28.0, "field of view of the map along rows and along columns", status="estimate", gt=0.0, le=90.0
+    )
     position_m: Vec3 = param(
-        (-0.5, 0.0, -0.6), "where the camera sits that the map is of, B", status="estimate", min_length=3
+        (-0.5, 0.0, -0.6),
+        "position in B of the camera that the map belongs to",
+        status="estimate",
+        min_length=3,
     )
     baseline_m: float = param(1.5, "distance of the cameras", status="estimate", gt=0.0, le=10.0)
-    pixels: int = param(2048, "along each side of an image", status="estimate", ge=STEREO_CELLS, le=16384)
+    pixels: int = param(
+        2048, "pixels along each side of an image", status="estimate", ge=STEREO_CELLS, le=16384
+    )
     disparity_noise_px: float = param(
         0.1, "noise of the disparity of a cell, in pixels", status="estimate", ge=0.0, le=10.0
     )
@@ -56,7 +63,11 @@ class StereoParams(ImagerParams):
     textureless: float = param(0.03, "share of the ground without texture", status="estimate", ge=0.0, le=1.0)
     longest_m: float = param(200.0, "range beyond which nothing is found", status="estimate", gt=0.0)
     incidence_deg: float = param(
-        70.0, "largest angle between a look and the normal of the ground", status="estimate", gt=0.0, lt=90.0
+        70.0,
+        "largest angle between a line of sight and the normal of the ground",
+        status="estimate",
+        gt=0.0,
+        lt=90.0,
     )
 
 
@@ -96,7 +107,7 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
 
 
 def plan(params: StereoParams, rng: Stream, unit: np.void) -> None:
-    """Draw the errors of the copy that flies."""
+    """Draw the errors of the instrument in this case."""
     draw_imager(params, rng, unit)
     unit["bias"] = params.disparity_bias_px * rng.standard_normal()
 

@@ -26,14 +26,16 @@ from edl6dof.spatial.elementary import exp, sincos
 from edl6dof.spatial.random_numbers import Stream, normal_pair
 from edl6dof.spatial.vector import add, put3, scale, sub, take3
 
-#: About three axes, and along three.
+#: Number of oscillators: about three axes, and along three.
 WAYS = 6
 
 
 class RandomParams(Params):
     """Random part, with the engines at full thrust, the same about and along each axis of B."""
 
-    frequency_hz: float = param(200.0, "where its spectrum has its peak", status="estimate", gt=0.0, le=1e4)
+    frequency_hz: float = param(
+        200.0, "frequency of the peak of the spectrum", status="estimate", gt=0.0, le=1e4
+    )
     bandwidth_hz: float = param(
         200.0, "width of the spectrum at half its peak", status="estimate", gt=0.0, le=2e4
     )
@@ -60,10 +62,10 @@ class VibrationParams(Params):
     random: RandomParams = group(RandomParams, "random vibration in addition to the tone")
 
 
-#: Phases of the tone, and key of the random part, of the copy that flies.
+#: Phases of the tone and key of the random part in this case.
 MOUNT = record(("phase", "f8", (3,)), ("key", "i8"))
 
-#: Memory: what the vibration has moved the unit by.
+#: Memory: motion of the unit by the vibration.
 VIBRATION = record(
     ("turn_B", "f8", (3,)),  # rad, B
     ("swing_B", "f8", (3,)),  # m/s, B
@@ -112,7 +114,7 @@ def tone(params, mount, share, t):
 
 @kernel
 def oscillate(params, key, dt, cycle, memory):
-    """Bring the oscillators of ``memory`` over ``dt`` s."""
+    """Advance the oscillators of ``memory`` by ``dt`` s."""
     pulsation, decay = 2.0 * pi * params.frequency, pi * params.bandwidth
     turning = sqrt(pulsation * pulsation - decay * decay)
     fading, (sine, cosine) = exp(-decay * dt), sincos(turning * dt)
@@ -137,7 +139,7 @@ def draw_mount(rng: Stream, mount: np.void) -> None:
 
 @kernel
 def thrust_share(case, outputs):
-    """Thrust of all engines over their full thrust together, 0 without engines: of vibration and dust."""
+    """Thrust of all engines over their full thrust, 0 without engines; vibration and dust scale with it."""
     full = 0.0
     for i in range(case.vehicle.n_engines):
         full += case.vehicle.engines[i].full_thrust

@@ -1,7 +1,7 @@
 """The server: a flight for each connection of this machine, and its messages.
 
-A message is four bytes that count those that follow, the highest first, and as many of MessagePack.  Anybody
-who can connect may have written it: it is bounded in size, in what it unpacks to, in depth and in time.
+A message is a length in four bytes, the highest first, and that many bytes of MessagePack.  Anybody who can
+connect may have written it: its size, unpacked size, depth and time are bounded.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ class Wire:
         """Return the next message, which begins within ``idle_s`` (s); ``None`` if its sender is gone.
 
         Raises:
-            Unreadable: it would be too long.
-            TimeoutError: it does not begin, or is not complete, in time.
+            Unreadable: the message would be too long.
+            TimeoutError: the message does not begin, or is not complete, in time.
         """
         head = exactly(line, _LENGTH.size, idle_s)
         if head is None:
@@ -78,7 +78,7 @@ class Wire:
         """Unpack the content of a message.
 
         Raises:
-            ValueError: it is no MessagePack, or not what a request may be made of.
+            ValueError: the content is no MessagePack, or has types that no request may have.
         """
         left = iter(range(_CONTAINERS))
 
@@ -100,7 +100,7 @@ class Wire:
             raise ValueError(f"a text is not UTF-8 ({error.reason})") from None
         except _TooMany as error:
             raise ValueError(str(error)) from None
-        except Exception as error:  # a dozen kinds, some without a word
+        except Exception as error:  # msgpack raises a dozen kinds, some without text
             reason = str(error) or type(error).__name__
             raise ValueError(f"the message is no MessagePack that a request is made of ({reason})") from None
 
@@ -111,10 +111,10 @@ class Wire:
 
 
 def exactly(line: socket, size: int, within_s: float) -> bytes | None:
-    """Receive so many bytes; ``None`` if the sender is gone before.
+    """Receive ``size`` bytes; ``None`` if the sender is gone before.
 
     Raises:
-        TimeoutError: they are not complete within a time (s), however slowly they come.
+        TimeoutError: they are not complete ``within_s`` (s), however slowly they come.
     """
     found, until = bytearray(), monotonic() + within_s
     while len(found) < size:
@@ -129,7 +129,7 @@ def exactly(line: socket, size: int, within_s: float) -> bytes | None:
 
 
 class _TooMany(Exception):
-    """A message unpacks to more than any request holds."""
+    """A message unpacks to more items than any request has."""
 
 
 def _listed(value: Any) -> Any:
@@ -141,7 +141,7 @@ def _listed(value: Any) -> Any:
 class FlightServer(socketserver.ThreadingTCPServer):
     """Answers the requests of each client in a thread of its own, in the order in which they come.
 
-    A client first sends the token of the token file; one that does not gets an answer and takes no place.
+    A client first sends the token of the token file; a client that does not is refused, and takes no place.
 
     Args:
         begin: makes the flight of a client.
@@ -154,11 +154,11 @@ class FlightServer(socketserver.ThreadingTCPServer):
 
     Raises:
         ImportError: msgpack is not installed.
-        ConfigError: the port cannot be had.
+        ConfigError: the port cannot be opened.
     """
 
     daemon_threads = True
-    #: Elsewhere it would let two servers share a port.
+    #: Not on Windows, where two servers could then share a port.
     allow_reuse_address = os.name == "posix"
 
     def __init__(self, begin: Callable[[], Session], port: int = 0, idle_s: float = IDLE_S) -> None:
@@ -171,7 +171,7 @@ class FlightServer(socketserver.ThreadingTCPServer):
         self.port: int = self.server_address[1]
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that hangs up, or does not take its answer, is no error."""
+        """Ignore errors of a client that disconnects, or does not read its answer."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)
 
@@ -181,7 +181,7 @@ class _Client(socketserver.StreamRequestHandler):
     disable_nagle_algorithm = True
 
     def handle(self) -> None:
-        """Answer until the client closes, is gone, or sends nothing, or nothing readable, any more."""
+        """Answer until the client closes the flight, is gone, or sends nothing readable in time."""
         if not self._let_in():
             return
         if not self.server.places.acquire(blocking=False):
@@ -194,7 +194,7 @@ class _Client(socketserver.StreamRequestHandler):
             gc.collect()  # the records of a flight refer to each other
 
     def _let_in(self) -> bool:
-        """True once the client has sent the token, which it must within ``_GREETING_S``."""
+        """True once the client has sent the token, for which it has ``_GREETING_S``."""
         if not self.server.doors.acquire(blocking=False):
             return False
         try:
@@ -209,7 +209,9 @@ class _Client(socketserver.StreamRequestHandler):
         return False
 
     def _turn_away(self, reason: str) -> None:
-        """Answer the first request, if it comes soon: left unread, it would take the answer with it."""
+        """Read the first request, if it comes soon, then refuse it.  Closing a socket with unread data resets
+        the connection, and the client would lose the answer.
+        """
         with suppress(TimeoutError, Unreadable):
             self.server.wire.receive(self.request, _GREETING_S)
         self._send(refused(reason))
@@ -218,7 +220,7 @@ class _Client(socketserver.StreamRequestHandler):
         session = None
         try:
             while (body := self.server.wire.receive(self.request, self.server.idle_s)) is not None:
-                session = session or self.server.begin()  # nothing is made for who says nothing
+                session = session or self.server.begin()  # no flight before the first request
                 self._send(self._answer(session, body))
                 if not session.open:
                     return

@@ -1,6 +1,6 @@
 """Requests of a client to its flight, and the answers.
 
-Each field of a request is checked before the flight goes on; an answer names the mistake and a correction.
+Each field of a request is checked before the flight is stepped; an answer names the mistake and a correction.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from edl6dof.config.wording import got, unknown
 
 #: Version of the protocol; it increases if a program that was written for the last one would fail.
 PROTOCOL = 2
-#: Base cycles of a step, and seeds, at most.
+#: Largest number of base cycles of a step, and largest seed.
 MOST_CYCLES, LARGEST_SEED = 10_000_000, 2**31 - 1
 #: Path and text of a change of the scenario: a text is a word, so that a client can name no file.
 _PATH, _WORD = re.compile(r"[A-Za-z0-9_.]{1,200}"), re.compile(r"[A-Za-z0-9_]{1,64}")
@@ -34,7 +34,7 @@ class Session:
 
     Attributes:
         simulation: the flight.
-        open: False once the client has closed it.
+        open: False once the client has closed the flight.
 
     Raises:
         ConfigError: the scenario is wrong.
@@ -47,7 +47,7 @@ class Session:
         self.open = True
 
     def answer(self, request: Any) -> Answer:
-        """Answer a request: ``ok`` is true if it was done, otherwise ``error`` has the reason."""
+        """Answer a request: ``ok`` is true if the request was done, otherwise ``error`` has the reason."""
         try:
             with naming_arguments():
                 return {"ok": True, **self._done(request)}
@@ -70,7 +70,7 @@ class Session:
         return act(self, **request)
 
     def _reset(self, seed: Any = None, overrides: Any = None) -> Answer:
-        """Begin anew, with these changes and no others; an error leaves the flight as it is."""
+        """Restart the flight with these changes and no others; an error leaves the old flight as it is."""
         number = None if seed is None else _whole("seed", seed, LARGEST_SEED, 0)
         changes = () if overrides is None else _as_texts(overrides)
         simulation = self.simulation if changes == self._changes else self._changed(changes)
@@ -108,7 +108,7 @@ class Session:
         return {}
 
     def _standing(self) -> Answer:
-        """State of the flight, and its outcome once it has ended."""
+        """State of the flight, and the outcome once the flight has ended."""
         now = self.simulation
         found: Answer = {"flying": now.flying, "cycle": now.cycle, "time_s": now.time_s}
         return found if now.flying else {**found, "outcome": now.outcome}

@@ -2,8 +2,8 @@
 
 Continuing gives the same bits as flying through: the state of the plant, the largest loads met, sensors,
 flight-software memory and the cycle number are copied byte for byte; everything else follows from them, and
-random profiles from the scenario's seed.  Compiled code trusts these
-records, so whatever a file holds is looked at first.
+random profiles from the scenario's seed.  Compiled code trusts these records, so the content of a file is
+checked first.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 _RECORDS = {"plant": STATE, "peaks": PEAKS, "sensors": SENSORS, "fsw": FSW}
 #: Largest text of a scenario, and largest file, in bytes; a saved state has some ten thousand, and some
-#: million once the eyes have seen ground.
+#: million once the imagers have seen ground.
 _LARGEST_SCENARIO, _LARGEST_FILE = 2_000_000, 16_000_000
-#: Room for what a ``.npy`` member says of itself before its data.
+#: Room for the header of a ``.npy`` member.
 _HEADER = 1024
 #: Last base cycle of the longest flight that a scenario may ask for: 20,000 s at 200 Hz.
 _LAST_CYCLE = 4_000_000
@@ -96,7 +96,7 @@ class State:
 
     @classmethod
     def unpacked(cls, content: bytes, name: str | Path) -> State:
-        """A state from the bytes of its file, which is called ``name`` in messages.
+        """Read a state from the bytes of its file; ``name``: of the file, for messages.
 
         Raises:
             ConfigError: as of :meth:`load`.
@@ -113,7 +113,7 @@ class State:
         return state
 
     def check_fits(self, scenario: Scenario) -> None:
-        """Check that a flight of ``scenario`` can go on from here.
+        """Check that a flight of ``scenario`` can continue from this state.
 
         Raises:
             ConfigError: the time does not belong to the cycle, or a record numbers a phase or thruster that
@@ -138,7 +138,7 @@ class State:
             )
 
     def _impossible(self) -> Iterator[tuple[str, str]]:
-        """Field and complaint of what no flight has."""
+        """Field and message of each value that no flight can have."""
         if not 0 <= self.cycle <= _LAST_CYCLE:
             yield "cycle", f"must be 0 .. {_LAST_CYCLE} (got {self.cycle})"
         yield from self._out_of_range({})
@@ -164,7 +164,7 @@ class State:
 
 
 def _read(archive: zipfile.ZipFile, path: str | Path) -> State:
-    """The members of a saved state, none of them larger than it can be."""
+    """Read a saved state from its archive; members larger than any state has are refused."""
     if _member(archive, "layout", 64).tobytes().decode() != layout_hash():
         raise refusal(
             path, "was saved by another version of edl6dof whose records differ; fly to that time again"
@@ -186,7 +186,7 @@ def _read(archive: zipfile.ZipFile, path: str | Path) -> State:
 
 
 def _member(archive: zipfile.ZipFile, name: str, largest: int) -> np.ndarray:
-    """One array of the archive, of at most ``largest`` bytes: nothing larger is unpacked."""
+    """Array of an archive member of at most ``largest`` bytes; a larger one is not unpacked."""
     info = archive.getinfo(f"{name}.npy")
     if info.file_size > largest + _HEADER:
         raise ValueError(f"{name} is too large")

@@ -1,8 +1,8 @@
 """Commands into a stepped flight and observations out of it, by name and in the units of the names.
 
 Commands are written into the ``EXTERNAL`` record of the flight.  Observations are the estimates of its flight
-computer, and, apart from them, the true state.  A command holds for the cycles of the step that it is given
-to; without one the flight software's own word counts again.
+computer, and, apart from them, the true state.  A command is in force for the cycles of its step; then the
+flight software's own value counts again.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Commander:
         return list(self._writers)
 
     def give(self, command: Command | None) -> None:
-        """Let a command count from now on, and no other.
+        """Put a command into force in place of the one before; ``None``: no command.
 
         Raises:
             ValueError: there is no such command, or its value is not of its kind or not finite.
@@ -75,7 +75,7 @@ class Commander:
                 raise ValueError(f"{name}: {error}") from None
 
     def _take_back(self, names: tuple[str, ...]) -> None:
-        """Let the commands of these names count."""
+        """Take the former commands out of force and put those of these names into force."""
         for name in names:
             if name not in self._writers:
                 raise ValueError(unknown("command", name, self._writers))
@@ -91,7 +91,7 @@ class Commander:
         return bool(self._held)
 
     def take_up(self) -> None:
-        """See which commands count in the memory, after others have written to it."""
+        """Read from the memory which commands are in force, after it was written to by others."""
         flags = self._flags[0]
         self._held = tuple(name for name, (flag, _) in self._writers.items() if flags[flag])
 
@@ -113,7 +113,7 @@ class Commander:
         return lambda value: _put(place, value)
 
     def _place(self, field: str) -> Callable[[Any], None]:
-        """Of north and east, which records hold as east and north."""
+        """Writer of north and east, which the record stores as east and north."""
         place = self._record[field][0, ::-1]
         return lambda value: _put(place, value)
 
@@ -151,10 +151,10 @@ class Commander:
 
 
 def _put(place: np.ndarray, value: Any) -> None:
-    """Numbers into their place, one or as many as it has.
+    """Write a number, or an array of as many as ``place`` has, into ``place``.
 
     Raises:
-        ValueError: they are not so many, or not finite.
+        ValueError: their number is wrong, or one is not finite.
     """
     count = place.shape[0]
     needed = f"a command needs {count} number{'s' * (count > 1)} (got {value!r})"
@@ -169,7 +169,7 @@ def _put(place: np.ndarray, value: Any) -> None:
     place[:] = numbers
 
 
-#: What navigation and mission logic know: name, field of ``NAV`` and factor.
+#: Estimates of navigation and mission logic: name, field of ``NAV`` and factor.
 _DEG = degrees(1.0)
 _NAVIGATED: tuple[tuple[str, str, float], ...] = (
     ("altitude_m", "altitude", 1.0),
@@ -189,7 +189,7 @@ _NAVIGATED: tuple[tuple[str, str, float], ...] = (
     ("tilt_deg", "tilt", _DEG),
     ("gravity_m_s2", "gravity", 1.0),
 )
-#: The same of vectors.
+#: Vectors among these estimates: name and field of ``NAV``.
 _VECTORS: tuple[tuple[str, str], ...] = (
     ("v_N_m_s", "v_N"),  # north, east, down
     ("site_L_m", "site_L"),  # east, north, up of the landing site
@@ -197,7 +197,7 @@ _VECTORS: tuple[tuple[str, str], ...] = (
     ("w_B_rad_s", "w_B"),
     ("specific_force_B_m_s2", "specific_force_B"),
 )
-#: What guidance knows, and what it wants.
+#: Quantities of guidance: name, field and factor.
 _GUIDED: tuple[tuple[str, str, float], ...] = (
     ("range_to_go_m", "range_to_go", 1.0),
     ("crossrange_m", "crossrange", 1.0),
@@ -217,7 +217,7 @@ def _vector(values: np.ndarray, place: slice = slice(None)) -> Reader:
 
 
 def navigated(fsw: np.ndarray) -> dict[str, Reader]:
-    """Readers of what the flight computer knows, by name; ``fsw``: its memory, shape (1,)."""
+    """Readers of the estimates of the flight computer, by name; ``fsw``: its memory, shape (1,)."""
     nav, guide, vehicle = fsw["nav"], fsw["guide"], fsw["vehicle"]
     found = {name: _number(nav, field, factor) for name, field, factor in _NAVIGATED}
     found |= {name: _vector(nav[field]) for name, field in _VECTORS}

@@ -21,13 +21,13 @@ from edl6dof.sim.loop import fly_each
 from edl6dof.sim.outcome import FLYING
 from edl6dof.vehicle.plant import OUTPUTS, PEAKS, STATE, WORKSPACE
 
-#: Outcome of a flight that flies no further though it could, or has not begun.
+#: Outcome code of a flight that was halted, or has not begun.
 HALTED = -1
 
 
 class Start(NamedTuple):
-    """Start of a flight: the bytes of its records, without the zeros at their ends; images that are not taken
-    yet are millions of zeros.
+    """Start of a flight: the bytes of its records, without the zeros at their ends; images not yet taken are
+    millions of zeros.
     """
 
     cycle: int
@@ -96,7 +96,7 @@ class Fleet:
 
     @property
     def flights(self) -> tuple[np.ndarray, ...]:
-        """All that changes as the flights go on: arrays with an element for each flight."""
+        """All records that change in flight: arrays with an element for each flight."""
         return (
             *(self.cases, self.onboards, self.plants, self.outputs, self.peaks, self.sensors, self.memories),
             *(self.cycles, self.outcomes, self._works, self._current),
@@ -106,7 +106,7 @@ class Fleet:
         return len(self.cycles)
 
     def put(self, index: int, start: Start) -> None:
-        """Let flight ``index`` begin here."""
+        """Begin flight ``index`` at ``start``."""
         places = self.cases, self.onboards, self.plants, self.peaks, self.sensors, self.memories
         for place, packed in zip(places, start[1:], strict=True):
             content = place[index : index + 1].view(np.uint8)
@@ -118,7 +118,7 @@ class Fleet:
         self._choose_functions(index)
 
     def restore(self, flights: Sequence[np.ndarray]) -> None:
-        """Let all flights go on where those of another fleet are, its :attr:`flights`."""
+        """Continue all flights from the :attr:`flights` of another fleet."""
         for mine, saved in zip(self.flights, flights, strict=True):
             mine[:] = saved
         begun = self.onboards.view(np.uint8).reshape(len(self), -1).any(axis=1)
@@ -130,11 +130,11 @@ class Fleet:
         self._functions[:] = [functions_of(self.cases, self.onboards[index])]
 
     def halt(self, which: np.ndarray) -> None:
-        """Fly some flights no further, shape (count,), bool."""
+        """Halt the flights for which ``which``, shape (count,), bool, is true."""
         self.outcomes[which & (self.outcomes == FLYING)] = HALTED
 
     def advance(self, cycles: int) -> None:
-        """Fly some base cycles of every flight that still flies, a share of them in this thread.
+        """Fly some base cycles of every flight that still flies; this thread flies a share of the flights.
 
         Raises:
             RuntimeError: the threads have been closed.

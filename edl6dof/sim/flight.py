@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from edl6dof.config.errors import Named
 from edl6dof.interface.roles import during
-from edl6dof.metrics.evaluation import Check, checks
+from edl6dof.metrics.evaluation import Check, Figures, checks
 from edl6dof.scenario import records
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.checkpoint import State
@@ -33,7 +32,7 @@ Progress = Callable[[float, float, str, float, float], None]
 
 @dataclass(repr=False)
 class Flight(FlightRecords):
-    """One finished flight: events, figures, limits and outcome of what it leaves."""
+    """One finished flight: events, figures, limits and outcome, worked out from its records."""
 
     def __repr__(self) -> str:
         rows = f"{len(self.log)} rows of telemetry"
@@ -44,26 +43,26 @@ class Flight(FlightRecords):
         return during(self.telemetry["guide.phase"], self.scenario.phase_roles, role)
 
     def release_log(self) -> None:
-        """Let the telemetry go and keep the results: events, figures, limits, outcome."""
-        self.events, self.metrics, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
+        """Drop the telemetry and keep the results: events, figures, limits, outcome."""
+        self.events, self.figures, self.checks, self.termination  # noqa: B018  computed from it, and kept from here on
         self.log = self.log[:0].copy()
         self.__dict__.pop("telemetry", None)
 
     @cached_property
     def events(self) -> list[dict[str, Any]]:
-        """Timeline: dicts with t_s, key, name, detail and the state then."""
+        """Timeline: dicts with t_s, key, name, detail and the state at that time."""
         mission, vehicle, others = self.scenario.mission, self.scenario.vehicle, timeline_moments(self)
         return timeline(self.telemetry, self.plant[0], self.fsw[0], mission, vehicle, self.outcome, others)
 
     @cached_property
-    def metrics(self) -> Named[float]:
+    def figures(self) -> Figures[float]:
         """Figures of the flight by name with unit suffix."""
-        return Named("figure", figures_of(self))
+        return Figures(figures_of(self))
 
     @cached_property
     def checks(self) -> list[Check]:
         """Every limit of the scenario with this flight's value."""
-        return checks(self.scenario.limits, self.metrics)
+        return checks(self.scenario.limits, self.figures)
 
     @property
     def landed(self) -> bool:
@@ -72,13 +71,13 @@ class Flight(FlightRecords):
 
     @property
     def success(self) -> bool:
-        """True if it reached the goal of the mission (landed, deployed, or flown) within all limits."""
+        """True if the flight reached the goal of its mission (landed, deployed, flown) within all limits."""
         return self.termination.success
 
     @cached_property
     def termination(self) -> Termination:
         """How the flight ended."""
-        return termination(self, self.metrics, self.checks)
+        return termination(self, self.figures, self.checks)
 
     @property
     def outcome(self) -> str:
@@ -87,7 +86,7 @@ class Flight(FlightRecords):
 
     @property
     def cause(self) -> str:
-        """Reason why it is no success, without numbers, to count flights by; empty for a success."""
+        """Reason why the flight is no success, without numbers; empty for a success."""
         return self.termination.cause
 
     @cached_property
@@ -136,11 +135,12 @@ def fly(
     Args:
         loaded: from :func:`edl6dof.load`.
         start: saved state to continue from, instead of the initial state.
-        save_at_s: time at which to keep a state (``Flight.saved``); rounded to the start of a base cycle.
+        save_at_s: time (s) at which to save a state as ``Flight.saved``; rounded to the start of a base
+            cycle.
         progress: called every few seconds of flight.
         parts: the scenario's records, where the caller has built them already.
-        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or, for no more than
-            figures and events need, of ``BRIEF``; the flight then reads from it.
+        log: array for the telemetry, at least :func:`log_rows` rows of ``TICK`` or, with only the columns for
+            figures and events, of ``BRIEF``; the flight then reads from it.
 
     Raises:
         ConfigError: the state does not fit the scenario.

@@ -51,14 +51,14 @@ class FlightRecords:
         case: true parameters, ``CASE`` record array of length one.
         tables: the arrays that the case reads, ``TABLES``, shared with others.
         plant: final true state, ``STATE`` record.
-        outputs: what follows from it, ``OUTPUTS`` record.
+        outputs: quantities that follow from the final state, ``OUTPUTS`` record.
         peaks: the largest loads met, ``PEAKS`` record.
         fsw: final flight-software memory.
         log: telemetry rows, ``TICK`` or ``BRIEF`` records in SI units.
         aim_point: latitude and longitude (rad) that entry guidance steered to.
         code: outcome code of the loop.
         flown_cycles: base cycles flown by this call.
-        saved: the state that was to be kept, if the flight came so far.
+        saved: state at the time at which one was to be saved, if the flight reached it.
         not_finite: first quantity that was not finite, if that ended the flight.
     """
 
@@ -173,7 +173,7 @@ def timeline_moments(flight: FlightRecords) -> list[Moment]:
 
 
 def _wing(flight: FlightRecords) -> list[Moment]:
-    """The trim wing at the end of its way, of several the last, unless a fault stopped one before."""
+    """Moment at which the last trim wing is fully open, unless a fault stopped one before."""
     truth, plant = flight.loaded.truth, flight.plant[0]
     starts = zip(truth.vehicle.surfaces, plant["wing_start"], strict=False)
     ends = {one.name: float(t) + one.deploy_time_s for one, t in starts if t < NOT_BEGUN}

@@ -1,7 +1,7 @@
 """State of a flight in progress: its records, and the compiled loop that advances them by any number of base
 cycles.
 
-However the cycles are portioned, the flight has the same bits.
+The bits of a flight do not depend on how its cycles are divided among calls.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ def beginning(
     sensors: np.dtype = SENSORS,
     fsw: np.dtype = FSW,
 ) -> Snapshot:
-    """The start of the flight of a scenario with these records; ``sensors``, ``fsw``: layouts of two."""
+    """The start of the flight of a scenario with these records; ``sensors``, ``fsw``: layouts of the records
+    of these names.
+    """
     plant, memory = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard, fsw)
     prepare(case, plant)
     return Snapshot(0, plant, records.initial_peaks(), records.initial_sensors(sensors), memory)
@@ -64,8 +66,8 @@ class RunningFlight:
         loaded: from :func:`edl6dof.load`.
         start: saved state to continue from, instead of the initial state.
         parts: the scenario's records, where the caller has built them already.
-        log: where to put the telemetry, at least :func:`log_rows` rows of ``TICK`` or ``BRIEF``; none of
-            either: no telemetry; made here if not given.
+        log: array for the telemetry, at least :func:`log_rows` rows of ``TICK`` or ``BRIEF``, or no rows for
+            no telemetry; ``None``: a new array.
 
     Attributes:
         cycle: base cycle that comes next.
@@ -137,7 +139,7 @@ class RunningFlight:
         return self.code
 
     def look(self) -> None:
-        """Make :attr:`outputs` those of the present state."""
+        """Update :attr:`outputs` to the present state."""
         look(self.case, self.tables, self.plant, self.outputs, self.work)
 
     def snapshot(self) -> Snapshot:
@@ -162,7 +164,7 @@ class RunningFlight:
 
 
 def snapshots_at(loaded: LoadedScenario, times_s: Iterable[float]) -> list[Snapshot]:
-    """Snapshots of one flight at rising times (s), to a base cycle; without those it does not reach."""
+    """Snapshots of one flight at rising times (s), rounded to base cycles, up to the end of the flight."""
     flight, found = RunningFlight(loaded, log=NO_TICKS), []
     for t in times_s:
         flight.advance(round(t * loaded.scenario.flight_software.rates.base_hz) - flight.cycle)
@@ -173,7 +175,7 @@ def snapshots_at(loaded: LoadedScenario, times_s: Iterable[float]) -> list[Snaps
 
 
 def phase_name(scenario: Scenario, fsw: np.ndarray) -> str:
-    """Name of the mission phase in a flight-software memory; a flight without phases is a free one."""
+    """Name of the mission phase in a flight-software memory; ``free flight`` without phases."""
     names = scenario.phase_names
     return names[int(fsw["mission"]["phase"][0])] if names else "free flight"
 
@@ -198,7 +200,7 @@ def resolved_text(loaded: LoadedScenario) -> str:
 
 
 def continue_from(state: State, overrides: tuple[str, ...] = ()) -> LoadedScenario:
-    """The scenario a saved state belongs to."""
+    """Scenario of a saved state, with ``overrides``."""
     return check_document(
         apply_overrides(parse_document(state.scenario_text, "(saved state)"), overrides, Scenario)
     )

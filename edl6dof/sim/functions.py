@@ -1,10 +1,9 @@
-"""The functions that the loop is given (a cycle of the flight software with those that it is given itself,
-sensors and kinds of fault), and their compilation before the first flight ever.
+"""The functions that are passed to the loop: the cycle of the flight software with the functions passed to
+it, the sensors, and the kinds of fault; and their compilation before the first flight ever.
 
 numba compiles on one core: a second process compiles the flight software, this one all else.  The halves are
-independent, since the loop is given the flight software as a function, and both are kept in the same folder.
-Of families each compiles what the scenario names; what a flight carries beyond that is compiled when it
-begins.
+independent, since the loop receives the flight software as a function; both are stored in the same folder.
+Of each family only the members that the scenario names are compiled; a flight compiles others when it begins.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ from edl6dof.sim.loop import fly
 from edl6dof.vehicle.faults.fault import FAULT, inflict_kind
 from edl6dof.vehicle.plant import OUTPUTS, STATE
 
-#: Where the loop is given members of families.
+#: Arguments of the loop that are members of families of the plant.
 PLACES = {
     "measure": place(
         *("measure", measure, (), NOTHING),
@@ -51,13 +50,13 @@ PLACES = {
         *(kind_of(FAULT), kind_of(CASE), float64, kind_of(FSW, "command"), kind_of(STATE)),
     ),
 }
-#: A cycle of the flight software, as the loop is given it, and the type of all that the loop is given.
+#: The cycle of the flight software as it is passed to the loop, and the type of all functions passed to it.
 RUN = Given(run, CYCLE)
 FUNCTIONS = together(CYCLE, SOFTWARE, *(one.type for one in PLACES.values()))
 
 
 class Functions(tuple[Any, ...]):
-    """All that the loop is given: to find the type of a plain tuple of functions, numba warns of them."""
+    """All functions passed to the loop; of a plain tuple of functions numba would print warnings."""
 
 
 @typeof_impl.register(Functions)
@@ -78,7 +77,7 @@ def functions_of(cases: np.ndarray, onboard: Any) -> Any:
 
 
 def _compile(functions: Iterable[Any]) -> None:
-    """Compile each alone: if the disk is full, a call goes on after one failure only."""
+    """Compile each function by itself: if the disk is full, a call survives one failure only."""
     for one in functions:
         if isinstance(one, Given):
             one.compile()
@@ -101,7 +100,7 @@ _BOTH = [getattr(one, "py_func", one) for one in (fly, RUN.kernel)]
 
 
 def _mark() -> Path | None:
-    """File that says that loop and flight software of the present sources have been compiled."""
+    """File that exists once loop and flight software of the present sources have been compiled."""
     place, sources = cache.folder(), "".join(cache.stamp(one.__code__.co_filename) for one in _BOTH)
     return None if place is None else place / f"{cache.hash_of(sources)[:24]}.mark"
 
@@ -114,8 +113,8 @@ def is_compiled() -> bool:
 
 @contextmanager
 def compiling_flight_software(scenario: BaseModel) -> Iterator[Sequence[str] | None]:
-    """Compile the flight software in parallel to the block, with more than one core; hands out the members of
-    families to compile the loop with, ``None`` where all is compiled already.
+    """Compile the flight software in another process while the block runs, if there is more than one core.
+    Yields the members of families to compile with the loop; ``None`` if all is compiled already.
     """
     mark = _mark()
     if mark is None or mark.exists():
@@ -143,14 +142,14 @@ def compiling_flight_software(scenario: BaseModel) -> Iterator[Sequence[str] | N
 
 
 def compile_loop(members: Sequence[str], *arguments: Any) -> None:
-    """Compile the loop for its arguments, and of the plant's families these members."""
+    """Compile the loop for its ``arguments``, and these members of the plant's families."""
     cache.compiled(fly.called.compile, (FUNCTIONS, *map(numba.typeof, arguments)))
     for one in PLACES.values():
         one.compile(members)
 
 
 def compile_flight_software(members: Sequence[str]) -> None:
-    """Compile the flight software's cycle, and of its families these members."""
+    """Compile the cycle of the flight software, and these members of its families."""
     RUN.compile()
     for one in OF_SOFTWARE.values():
         one.compile(members)

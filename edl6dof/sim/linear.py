@@ -1,8 +1,9 @@
 """Linear models of a flight at a moment: the plant, attitude control, and the margins of the loop of both.
 
-The plant's by central differences of its own equations of motion, attitude control's by those of the law that
-flies.  What is no straight line at that moment (a phase plane, a limit, a step that has no derivative) has
-none here either: margins mean something for laws that are linear about the state, such as ``thrust_vector``.
+The plant is linearised by central differences of its equations of motion, attitude control by central
+differences of the law that flies.  A law without a derivative at that moment (a phase plane, a limit, a step)
+has no linear model: margins mean something for laws that are linear about the state, such as
+``thrust_vector``.
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ STATES = (
     *("r_x_m", "r_y_m", "r_z_m", "v_x_m_s", "v_y_m_s", "v_z_m_s"),
     *("theta_x_rad", "theta_y_rad", "theta_z_rad", "w_x_rad_s", "w_y_rad_s", "w_z_rad_s"),
 )
-#: Torque and force of the thrusters, in B.
+#: Inputs: torque and force of the thrusters, in B.
 INPUTS = ("torque_x_nm", "torque_y_nm", "torque_z_nm", "force_x_n", "force_y_n", "force_z_n")
 #: Steps of the differences: of states and inputs in the order above, three each.
 _STATE_STEPS, _INPUT_STEPS = np.repeat([1.0, 1e-2, 1e-5, 1e-5], 3), np.repeat([1.0, 1.0], 3)
 _R, _V, _TH, _W = (slice(3 * k, 3 * k + 3) for k in range(4))
-#: rad/s, where margins are looked for.
+#: Frequencies (rad/s) at which margins are evaluated.
 _FREQUENCIES = np.geomspace(1e-3, 300.0, 20_000)
 
 
@@ -66,10 +67,10 @@ class LinearModel:
         return np.linalg.eigvals(self.a)
 
     def to_control(self) -> StateSpace:
-        """The model as python-control's.
+        """The model as a ``StateSpace`` of python-control.
 
         Raises:
-            ImportError: it is not installed.
+            ImportError: python-control is not installed.
         """
         try:
             import control
@@ -80,7 +81,7 @@ class LinearModel:
 
 
 class Margins(NamedTuple):
-    """Margins of an axis, its loop broken at the torque, the others closed; infinite without a crossover."""
+    """Margins of the loop of an axis, broken at its torque, others closed; infinite without a crossover."""
 
     gain_db: float
     phase_deg: float
@@ -89,13 +90,13 @@ class Margins(NamedTuple):
 
 
 def linear_plant(flight: RunningFlight) -> LinearModel:
-    """The plant of a flight as it stands, which stays as it is."""
+    """Linearise the plant of a flight at its present state, which is not changed."""
     plant, outputs, work = (duplicate(record) for record in (flight.plant, flight.outputs, flight.work))
 
     before = plant.tobytes()
 
     def accelerations(deviate: Callable[[np.void, int, float], None], j: int, step: float) -> np.ndarray:
-        """Of the velocity in I, and of the rate in B, when the plant deviates by a step."""
+        """Derivatives of velocity (I) and rate (B) with the plant deviated by a step."""
         plant.view(np.uint8)[:] = np.frombuffer(before, np.uint8)
         deviate(plant[0], j, step)
         look(flight.case, flight.tables, plant, outputs, work)
@@ -134,8 +135,8 @@ def turned(q_I2B: np.ndarray, axis: int, angle: float) -> np.ndarray:
 
 
 def control_gain(flight: RunningFlight) -> np.ndarray:
-    """Torque (N m, B) that the law of the present phase takes off for each deviation of rotation (rad) and
-    rate (rad/s), shape (3, 6), its integrators standing.
+    """Decrease of the torque (N m, B) of the law of the present phase per deviation of rotation (rad) and
+    rate (rad/s), shape (3, 6), with constant integrators.
     """
     fsw, onboard = duplicate(flight.fsw), flight.onboard[0]
     estimate, nav = fsw["navigation"]["estimate"][0], fsw["nav"][0]
@@ -166,7 +167,8 @@ def margins(plant: LinearModel, gain: np.ndarray, delay_s: float) -> dict[str, M
     Args:
         plant: from :func:`linear_plant`.
         gain: from :func:`control_gain`, shape (3, 6).
-        delay_s: from the measured attitude to the torque; half a control cycle stands for its being held.
+        delay_s: from the measured attitude to the torque; half a control cycle accounts for the hold of the
+            torque.
     """
     a, b = plant.a[6:, 6:], plant.b[6:, :3]
     found = {}

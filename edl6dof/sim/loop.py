@@ -19,7 +19,7 @@ from edl6dof.vehicle.motion.staging import step_debris
 
 @kernel
 def prepare(cases, plants):
-    """Make the mass properties of a plant those of the parts it has, and open its balance."""
+    """Set the mass properties of a plant from its attached parts, and begin its balance."""
     case, plant = cases[0], plants[0]
     compose(case, plant)
     open_balance(case, plant)
@@ -27,7 +27,7 @@ def prepare(cases, plants):
 
 @kernel
 def take_up(cases, plants, memories):
-    """Work out again what a saved flight has from parameters, which may have changed since."""
+    """Work out again the quantities of a saved flight that follow from parameters, which may have changed."""
     case, plant = cases[0], plants[0]
     dry = plant.dry.mass
     compose(case, plant)
@@ -37,7 +37,7 @@ def take_up(cases, plants, memories):
 
 @kernel
 def look(cases, tables_, plants, outputs_, works):
-    """Make the outputs those of the present state: a step leaves them at its last stage."""
+    """Update the outputs to the present state: a step leaves them at its last stage."""
     case, tables, plant, outputs = cases[0], tables_[0], plants[0], outputs_[0]
     evaluate(case, tables, plant, outputs, works[0])
     survey(case, tables, plant, outputs)
@@ -45,7 +45,7 @@ def look(cases, tables_, plants, outputs_, works):
 
 @kernel
 def write_row(case, plant, outputs, sensed, fsw, log, brief, row):
-    """Log the present state as row ``row`` of the one of the two logs that is not empty, if one is not."""
+    """Write the present state to row ``row`` of ``log`` or ``brief``, of which one or both are empty."""
     if len(log) > 0:
         record(case, plant, outputs, sensed, fsw, tick=log[row])
     elif len(brief) > 0:

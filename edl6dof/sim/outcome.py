@@ -1,8 +1,8 @@
 """How a flight ends: always with a named cause; and the check in every cycle that all quantities of the
 flight computer are finite, with the search for the first one that is not.
 
-Comparisons with what is not a number are false: no trigger fires and no limit is exceeded; nothing but this
-check would end such a flight.
+Comparisons with NaN are false: no trigger fires and no limit is exceeded, so only this check ends such a
+flight.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ THIN_AIR = 50.0
 
 @kernel
 def at_last_event(case, plant):
-    """True if an event is done that ends the flight."""
+    """True if an event that ends the flight has happened."""
     for i in range(case.events.n_events):  # noqa: SIM110  numba compiles no generators
         if case.ends_with[i] != 0 and isfinite(plant.done[i]):
             return True
@@ -62,7 +62,7 @@ def burning(plant):
 
 @kernel
 def outcome_of(case, plant, outputs):
-    """Outcome code of the present state, all of it finite; ``outputs`` are those of it."""
+    """Outcome code of the present state, which must be finite; ``outputs`` belong to this state."""
     limits, out, y = case.limits, outputs, plant.y
     t = plant.t
     if at_last_event(case, plant):
@@ -93,7 +93,7 @@ def outcome_of(case, plant, outputs):
     return FLYING
 
 
-#: Exponent of a number that is infinite or none, its lowest bit, and the sign.
+#: Exponent bits of a number that is infinite or NaN, the lowest of them, and the sign bit.
 _EXPONENT, _LOWEST, _SIGN = (
     np.uint64(0x7FF0_0000_0000_0000),
     np.uint64(0x0010_0000_0000_0000),
@@ -103,9 +103,9 @@ _EXPONENT, _LOWEST, _SIGN = (
 
 #: Fields of the state that follow from the outputs.
 _FROM_OUTPUTS = ("inputs", "balance")
-#: What is looked at in every cycle: whatever is wrong with the vehicle shows in what it senses or in its
-#: state, and whatever is wrong with the memory of the flight computer in what guidance, control and
-#: modulation make of it.  Images are finite whatever the vehicle does: an eye that meets nothing reads 0.
+#: Quantities checked in every cycle: whatever is not finite in the vehicle shows in its sensors or in its
+#: state, and whatever is not finite in the memory of the flight computer shows in the results of guidance,
+#: control and modulation.  Images are always finite: an imager without ground in view reads 0.
 _SENSED = tuple(finite_words(SENSED, offset(SENSORS, "sensed")))
 _WORKED_OUT = tuple(
     run
@@ -132,8 +132,8 @@ def works_with_finite(sensors, memory):
 def first_cause(
     plant: np.ndarray, outputs: np.ndarray, work: np.ndarray, sensors: np.ndarray, fsw: np.ndarray
 ) -> str | None:
-    """The first quantity that is not finite, in the order in which one follows from the other, of records of
-    shape (1,), ``work`` with the stage in which a step failed; ``None`` when all are finite.
+    """The first quantity that is not finite, in the order of dependence, ``None`` when all are finite.  All
+    records have shape (1,); ``work`` contains the stage in which a step failed.
     """
     own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
     steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))

@@ -1,7 +1,7 @@
 """A flight flown step by step, with commands from outside in the place of any part of the flight software.
 
-A stepped flight is the flight: the compiled loop that flies it whole is called for one base cycle, or for
-several, and the bits are the same.
+A stepped flight has the same bits as a flight in one call: both run the same compiled loop, here for one or
+several base cycles a call.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class SteppedFlight:
         self._begin(loaded, parts)
 
     def _begin(self, loaded: LoadedScenario, parts: Records | None = None) -> None:
-        """Stand at the start of a flight of a scenario."""
+        """Go to the start of a flight of a scenario."""
         self.loaded = loaded
         self.running = RunningFlight(loaded, parts=parts, log=None if self._telemetry else NO_TICKS)
         self._names = loaded.scenario.thruster_names
@@ -51,12 +51,12 @@ class SteppedFlight:
         """Fly some base cycles of the flight software under a command; returns whether it still flies.
 
         Args:
-            command: values by name, each in the place of what the flight software would work out itself for
-                these cycles: ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down),
-                ``throttle`` (of full thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each
-                thruster, or by name), ``isolate`` (names of thrusters to be used no more), ``safe_spot_m``
-                and ``coarse_spot_m`` (north and east of the landing site), ``estimate`` (``r_I_m``,
-                ``v_I_m_s``, ``q_I2B``, ``w_B_rad_s``, ``height_m``).
+            command: values by name, each of which replaces the value of the flight software for these cycles:
+                ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down), ``throttle`` (of full
+                thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each thruster, or by name),
+                ``isolate`` (names of thrusters to be used no more), ``safe_spot_m`` and ``coarse_spot_m``
+                (north and east of the landing site), ``estimate`` (``r_I_m``, ``v_I_m_s``, ``q_I2B``,
+                ``w_B_rad_s``, ``height_m``).
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
 
         Raises:
@@ -74,10 +74,10 @@ class SteppedFlight:
         before the first.  They contain no truth beyond the readings of its instruments.
 
         Args:
-            names: what is wanted of it, or one name, which is read quicker than all.
+            names: names of the quantities, or one name; ``None``: all, which takes longer.
 
         Raises:
-            ValueError: it knows nothing of such a name.
+            ValueError: there is no quantity of such a name.
         """
         readers = self._navigated
         names = [names] if isinstance(names, str) else names
@@ -99,7 +99,7 @@ class SteppedFlight:
         return found
 
     def own(self) -> dict[str, Any]:
-        """Last demands of the flight software itself, by the names of commands, whatever was commanded."""
+        """Last demands of the flight software itself, without the commands that replaced them, by name."""
         return {name: read() for name, read in self._wanted.items()}
 
     def truth(self) -> dict[str, Any]:
@@ -108,19 +108,20 @@ class SteppedFlight:
         return {name: read() for name, read in self._true.items()}
 
     def linear_plant(self) -> LinearModel:
-        """The plant as it stands, as a linear model from torque and force of the thrusters."""
+        """Linear model of the plant at its present state, from torque and force of the thrusters."""
         return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
-        """Margins of the attitude loop of the present phase, by axis of B, the torque held half a control
-        cycle; for a controller that is linear about the state, as ``thrust_vector`` is.
+        """Margins of the attitude loop of the present phase, by axis of B, with the hold of the torque as a
+        delay of half a control cycle; for a controller that is linear about the state, as ``thrust_vector``
+        is.
         """
         rates = self.loaded.scenario.flight_software.rates
         held = 0.5 * rates.control_every / rates.base_hz
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """The flight as it stands, under no command, as ``edl6dof fly --from`` reads it, too."""
+        """State of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
@@ -130,7 +131,7 @@ class SteppedFlight:
 
         Raises:
             ConfigError: the state does not fit the scenario.
-            TypeError: it is no state.
+            TypeError: the argument is no state.
         """
         if not isinstance(state, State | Snapshot):
             raise TypeError(f"a state is what state() returned, or State.load (got {state!r})")
@@ -144,7 +145,7 @@ class SteppedFlight:
 
     def flight(self) -> Flight:
         """The flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last reset or
-        restore.  It shares its records: ask again after the next step.
+        restore.  It shares its records with this flight: call again after the next step.
 
         Raises:
             ValueError: no telemetry is kept, or no cycle has been flown.
@@ -175,7 +176,7 @@ class SteppedFlight:
 
     @property
     def outcome(self) -> str:
-        """How it ended, without its limits; ``flying`` until then."""
+        """How the flight ended, without its limits; ``flying`` until then."""
         return OUTCOMES[self.running.code]
 
     @property

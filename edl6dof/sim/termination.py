@@ -2,9 +2,9 @@
 flights with one cause count together.
 
 The causes are worked out after the flight, from the truth: the flight computer never learns of them.  A fault
-contributed if it began before the flight was decided (a point at which a limit is broken, or contact with the
-ground, or the end) and had to do with it; its consequences stand before it: ``propellant exhausted at 288.0 s
-after A1 and A3 stuck on at 200.0 and 210.0 s``.
+contributed if it began before the flight was decided (when a limit was broken, at contact with the ground, or
+at the end) and its component was still in use; its consequences are named before it: ``propellant exhausted
+at 288.0 s after A1 and A3 stuck on at 200.0 and 210.0 s``.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from edl6dof.telemetry.timeline import in_words, ran_empty
 from edl6dof.vehicle.faults.fault import FaultParams, about
 from edl6dof.vehicle.landing_gear import ground_speed
 
-#: Goal of the mission: outcome that reaches it, its words (those of the event itself where none stand here),
-#: and what follows them when all limits are kept.
+#: Goal of the mission: outcome that reaches it, its words (if empty, those of the event itself), and words
+#: added when all limits are met.
 _GOALS = {
     "landing": (LANDED, "landed", " within limits"),
     "deployment": (LAST_EVENT, "deployed", " within limits"),
@@ -54,7 +54,7 @@ def goal_code(goal: str) -> int:
 
 
 def termination(flight: FlightRecords, figures: Mapping[str, float], checks: Sequence[Check]) -> Termination:
-    """Say how a flight ended, from its figures and its limits."""
+    """Work out how a flight ended, from its figures and its limits."""
     mission = flight.scenario.mission
     reached, words, within = _GOALS[mission.goal]
     if mission.goal == "event":
@@ -74,15 +74,15 @@ def termination(flight: FlightRecords, figures: Mapping[str, float], checks: Seq
         )
     head, figure = _what(flight, figures)
     where = f" in phase {_phase(flight)}"
-    # a vehicle without flight software has no phases: said where it matters, as of a crash, and of what
-    # counts together
+    # a vehicle without flight software has no phases: its outcome names the free flight with numbers only, as
+    # of a crash; its cause always
     here = where if flight.phase_names or figure else ""
     legs = _legs(flight, figures)
     return Termination(False, False, f"{head}{figure}{here}{legs}{told}", f"{head}{where}{legs}{plain}")
 
 
 def _what(flight: FlightRecords, figures: Mapping[str, float]) -> tuple[str, str]:
-    """Outcome in words, and its figure."""
+    """Outcome in words, and its numbers in words."""
     if flight.code == NOT_FINITE:
         return f"not finite: {flight.not_finite}", f" at t = {flight.time_s:.2f} s"
     if flight.code == CRASHED:
@@ -96,7 +96,7 @@ def _what(flight: FlightRecords, figures: Mapping[str, float]) -> tuple[str, str
 
 
 def _phase(flight: FlightRecords) -> str:
-    """Phase of the end; of an end on the ground the phase in which the ground was met."""
+    """Phase of the end; of a crash or a tip-over, the phase at ground contact."""
     names = flight.phase_names
     if not names:
         return "free flight"
@@ -119,7 +119,7 @@ def _legs(flight: FlightRecords, figures: Mapping[str, float]) -> str:
     return " with its legs folded" if speed <= flight.loaded.truth.limits.crash_speed_m_s else ""
 
 
-#: Figures that are the largest value of a flight, and when it was met.
+#: Figures that are the peak of a quantity, and the field of ``PEAKS`` with its time.
 _PEAK_TIMES = {
     "peak_load_g0": "entry_load_time",
     "peak_dynamic_pressure_pa": "dynamic_pressure_time",
@@ -128,7 +128,7 @@ _PEAK_TIMES = {
 
 
 class Consequence(NamedTuple):
-    """Event on the way to the end: time (s), words without figures, and words with its figures."""
+    """Event on the way to the end: time (s), words without numbers, and words with its numbers."""
 
     t_s: float
     plain: str
@@ -136,8 +136,8 @@ class Consequence(NamedTuple):
 
 
 def reasons(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> tuple[str, str]:
-    """Causes of the end of a flight that is no success, with figures and without them, to follow the words
-    for that end; empty without a cause.  ``missed``: limits that it broke, if it reached its goal.
+    """Causes of the end of a flight that is no success, as text with numbers and without, to append to the
+    outcome; empty without a cause.  ``missed``: broken limits, if the flight reached its goal.
     """
     until = _decided_at(flight, figures, missed)
     led_to = sorted(one for one in _consequences(flight) if one.t_s <= until)
@@ -155,15 +155,15 @@ def _joined(words: Sequence[str]) -> str:
 
 
 def _decided_at(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> float:
-    """Time (s) after which nothing counts: the last broken limit, or ground contact, or the end."""
+    """Time (s) after which no event is a cause: the last broken limit, or ground contact, or the end."""
     met = float(flight.plant["touchdown_time"][0])
     end = met if isfinite(met) else flight.time_s
     return max((_broken_at(flight, figures, check, end) for check in missed), default=end)
 
 
 def _broken_at(flight: FlightRecords, figures: Mapping[str, float], check: Check, end: float) -> float:
-    """Time (s) at which a limit was broken: that of the peak, or of the event that the figure is taken at;
-    for the distance of a landing the time from which it could not be kept.
+    """Time (s) at which a limit was broken: time of the peak, or of the event at which the figure is taken;
+    for the landing distance, the time from which the limit was out of reach.
     """
     if check.figure in _PEAK_TIMES:
         return float(flight.peaks[_PEAK_TIMES[check.figure]][0])
@@ -175,8 +175,8 @@ def _broken_at(flight: FlightRecords, figures: Mapping[str, float], check: Check
 
 
 def _out_of_reach(flight: FlightRecords, figures: Mapping[str, float], limit: float, end: float) -> float:
-    """Time (s) from which the vehicle was farther beyond a distance of ``limit`` (m) from the landing site
-    than it was high, which no descent makes good; mortar fire at the earliest, contact at the latest.
+    """Time (s) from which the distance to the landing site exceeded ``limit`` (m) by more than the height
+    above ground, which no descent can correct; mortar fire at the earliest, ground contact at the latest.
     """
     names = ("t_s", "truth.latitude_deg", "truth.longitude_deg", "truth.height_m")
     mortar, terrain = figures.get("parachute_s", end), flight.case["terrain"][0]
@@ -192,7 +192,9 @@ def _out_of_reach(flight: FlightRecords, figures: Mapping[str, float], limit: fl
 
 
 def _contributing(flight: FlightRecords, until: float) -> tuple[list[str], list[str]]:
-    """Faults before a time (s), those of one kind together, with and without the times they began."""
+    """Faults that contributed until a time (s), grouped by kind: texts with the times they began, and
+    without.
+    """
     truth = flight.loaded.truth
     begun = sorted(
         (float(since), number)
@@ -269,7 +271,7 @@ def _cut_off(flight: FlightRecords) -> list[Consequence]:
 
 
 def _relaxed(flight: FlightRecords) -> list[Consequence]:
-    """The most constraints that powered guidance relaxed, which it does not do while it can land."""
+    """Largest relaxation of constraints by powered guidance, which it needs only when it cannot land."""
     times = flight.fsw[0]["guidance"]["relaxed"]["t"]
     noted = np.flatnonzero(times > 0.0)
     if not len(noted):

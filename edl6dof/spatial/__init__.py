@@ -1,1 +1,1 @@
-"""Vectors, quaternions, frames and interpolation: the compiled algebra everything else is written in."""
+"""Vectors, quaternions, frames and interpolation: the compiled algebra of all other modules."""

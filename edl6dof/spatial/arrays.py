@@ -94,15 +94,17 @@ def _each(function: int, x: Any, y: Any = 0.0) -> Any:
 
 #: Elementary functions of each number; angles in rad, as :mod:`edl6dof.spatial.elementary` has them.
 sin, cos, tan, asin, acos, atan, exp, log = (partial(_each, index) for index in range(8))
-#: Value that a standard normal falls below with each probability, to 15 digits; probability that it falls
-#: below each value.
+#: Quantile of the standard normal distribution at each probability, to 15 digits; probability of a standard
+#: normal below each value.
 normal_quantile, normal_share = (partial(_each, index) for index in (8, 9))
-#: Of each pair, whose shapes broadcast: angle (rad) of a point (x, y), y first; length of (x, y); x to the y.
+#: Functions of pairs that broadcast: angle (rad) of a point (x, y), y first; length of (x, y); x to the y.
 atan2, hypot, pow = (partial(_each, index) for index in (10, 11, 12))
 
 
 def interpolate(x: Any, places: Any, values: Any) -> Any:
-    """Value at each ``x`` on straight lines through points with ascending ``places``; held at both ends."""
+    """Value at each ``x`` on straight lines through points with ascending ``places``; constant beyond both
+    ends.
+    """
     x = np.asarray(x, dtype=float)
     places, values = (np.ascontiguousarray(given, dtype=float) for given in (places, values))
     found = np.empty(x.shape)

@@ -6,7 +6,7 @@ numpy are chosen by processor and differ in the last bit.  Use the functions of 
 and in all code between a scenario file and a record.
 
 Errors are below 1 ulp; special values are those of C99, annex F.  ``tests/unit/spatial/test_elementary.py``
-holds both.
+tests both.
 
 Sources.  Algorithms and coefficients: fdlibm 5.3, "Copyright (C) 1993 by Sun Microsystems, Inc. All rights
 reserved. Developed at SunSoft, a Sun Microsystems, Inc. business. Permission to use, copy, modify, and
@@ -78,7 +78,7 @@ _PI, _PI_LOW = 3.14159265358979311600e00, 1.22464679914735317720e-16
 _HALF_PI, _HALF_PI_LOW = 1.57079632679489655800e00, 6.12323399573676603587e-17
 _QUARTER_PI, _QUARTER_PI_LOW = 7.85398163397448278999e-01, 3.06161699786838301793e-17
 _TWO_OVER_PI = 6.36619772367581382433e-01
-#: pi/2 in parts of 33 bits, and what is left after the second and the third.
+#: pi/2 in parts of 33 bits, and the remainders after the second and the third.
 _P1, _P2, _P3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624871116645580e-21
 _P2_LOW, _P3_LOW = 2.02226624879595063154e-21, 8.47842766036889956997e-32
 #: Above it the products with these parts are no longer exact.
@@ -506,7 +506,7 @@ _LOGARITHMS = _logarithms(_CELLS)
 
 @kernel
 def log(x):
-    """Natural logarithm; -inf of zero, NaN below: from a table, and a short series in what is left."""
+    """Natural logarithm; -inf of zero, NaN below: from a table, and a short series in the remainder."""
     if not 0.0 < x < inf:
         return -inf if x == 0.0 else (x if x > 0.0 else nan)
     k, m = _parted(x)

@@ -1,4 +1,4 @@
-"""All conversions between frames, once.
+"""Conversions between frames.
 
 I inertial and F planet-fixed share the planet's pole as z; F turns by ``rotation_rate * t`` and coincides
 with I at t = 0. N is north-east-down of the geodetic vertical; L is east-north-up at a fixed point; V is the
@@ -33,9 +33,9 @@ def geodetic(radius, flattening, r_F):
     """Sines and cosines of geodetic latitude and longitude, and the height above the ellipsoid.
 
     Returns (sin_lat, cos_lat, sin_lon, cos_lon, altitude).  Bowring's parametric-latitude iteration without
-    trigonometric functions; two passes leave less than 1e-9 m for heights up to 10,000 km.  The height, an
-    extreme over the latitude, is as good after one (1e-9 m up to 1,000 km, 1e-8 m up to 10,000 km), and
-    density waits for it.
+    trigonometric functions; two passes leave less than 1e-9 m for heights up to 10,000 km.  The height is
+    stationary in the latitude, so that it is taken after one pass (1e-9 m up to 1,000 km, 1e-8 m up to 10,000
+    km): the density, which needs it, can be evaluated early.
     Source: B. R. Bowring, "Transformation from spatial to geographical coordinates", Survey Review 23 (1976).
     """
     x, y, z = r_F
@@ -58,7 +58,7 @@ def geodetic(radius, flattening, r_F):
 
 @kernel
 def _bowring(height, width, shape, e2, s, c):
-    """One pass: sine and cosine of latitude times a common factor, from those with another."""
+    """One pass: improve sine and cosine of the latitude, both times a common factor."""
     sb, cb = shape * s, c
     b2 = sb * sb + cb * cb
     b3 = b2 * sqrt(b2)
@@ -76,7 +76,7 @@ def from_geodetic(radius, flattening, lat, lon, altitude):
 
 @kernel
 def ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, v_N):
-    """Components in F of a vector given as north, east, down."""
+    """Components in F of a vector with components north, east, down."""
     up_part = -sin_lat * v_N[0] - cos_lat * v_N[2]
     return (
         up_part * cos_lon - sin_lon * v_N[1],
@@ -87,7 +87,7 @@ def ned_to_fixed(sin_lat, cos_lat, sin_lon, cos_lon, v_N):
 
 @kernel
 def fixed_to_ned(sin_lat, cos_lat, sin_lon, cos_lon, v_F):
-    """North, east, down components of a vector given in F."""
+    """Components north, east, down of a vector with components in F."""
     radial = cos_lon * v_F[0] + sin_lon * v_F[1]
     return (
         cos_lat * v_F[2] - sin_lat * radial,

@@ -2,9 +2,9 @@
 
 A number that kernels draw follows from a key and a counter alone, so a flight has the same noise alone, in
 threads, or continued from a saved state.  On the host, :class:`Stream` takes the raw bits of the
-counter-based generator Philox, started by numpy's ``SeedSequence``; numpy keeps both unchanged.  It does not
-promise that of its ``Generator``, whose normals call the C library in their tails; the normals here are
-quantiles of the bits.
+counter-based generator Philox, started by numpy's ``SeedSequence``; numpy keeps both unchanged.  numpy does
+not guarantee this for its ``Generator``, whose normals call the C library in their tails; the normals here
+are quantiles of the bits.
 
 Sources: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014); quantiles in flight: Wichura, Applied Statistics
 37(3), 1988, algorithm AS 241 (PPND7), seven digits in half the time; Philox: Salmon et al., SC11 (2011).
@@ -52,7 +52,7 @@ def normal_pair(key, counter):
 
 @kernel
 def normal_quantile(share):
-    """Value that a standard normal falls below with probability ``share``, 0 .. 1, to seven digits."""
+    """Quantile of the standard normal distribution at probability ``share``, 0 .. 1, to seven digits."""
     q = share - 0.5
     if abs(q) <= 0.425:
         r = 0.180625 - q * q

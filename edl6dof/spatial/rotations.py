@@ -1,5 +1,5 @@
-"""Quaternions on whole histories, in plain numpy: scalar first, shape (..., 4), Hamilton products, ``rotate``
-turns vectors.
+"""Quaternions in arrays, in plain numpy: scalar first, shape (..., 4), Hamilton products, ``rotate`` turns
+vectors.
 
 The scalar kernels are in ``edl6dof.spatial.quaternion``. Importing scipy's ``Rotation`` would cost more
 memory than the replay itself needs, and a tenth of a second. A test compares these functions with

@@ -1,4 +1,4 @@
-"""Published experiments repeated with this simulator; a new one is a file here and a name below."""
+"""Published experiments repeated with this simulator; a new study is a file here and a name below."""
 
 from importlib import import_module
 

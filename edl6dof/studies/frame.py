@@ -1,4 +1,5 @@
-"""The frame of a study: findings beside published figures, tables, pictures, and the files that hold them.
+"""The frame of a study: findings compared with published figures, tables, pictures, and the files that
+contain them.
 
 A study is one module that reads from top to bottom: the paper, the conditions, the figures of one flight, the
 findings, the pictures, and at its end ``STUDY``.
@@ -26,7 +27,7 @@ class Finding:
     """One figure of a study.
 
     Attributes:
-        label: what it is.
+        label: name of the figure.
         unit: printed unit; empty for a pure number.
         computed: found by this run of the study; a mean if it has a ``spread``.
         published: printed by the source; ``None`` if it prints none.
@@ -36,11 +37,11 @@ class Finding:
         spread: standard deviation over the flights that ``computed`` is the mean of; ``None`` for a single
             number.
         within: largest difference, as a share of the published value, at which it counts as reproduced;
-            ``None`` for a value that is set beside the computed one without a bound or a tolerance.
-        why: cause, which a run of the study shows, of a bound that is not kept or a value that is not
-            reproduced; it is an error as well if such a figure holds after all.
-        experiment: whose settings were flown, such as ``as printed`` or ``flown``; findings of one stand
-            together.
+            ``None`` for a value that is shown with the computed one but not judged.
+        why: cause, which a run of the study shows, of a bound that is not met or a value that is not
+            reproduced; it is an error as well if the figure holds after all.
+        experiment: experiment whose settings were flown, such as ``as printed`` or ``flown``; its findings
+            are listed together.
     """
 
     label: str
@@ -68,12 +69,12 @@ class Finding:
 
     @property
     def ok(self) -> bool:
-        """True if the figure is as the study says; one that could not be formed is not."""
+        """True if a finite figure holds without a ``why`` or fails with one, or is not judged."""
         return self.holds is None or (isfinite(self.computed) and self.holds != bool(self.why))
 
     @property
     def result(self) -> str:
-        """In words: met or not, reproduced within how much or not; empty without a bound or a tolerance."""
+        """Text: met or not, reproduced within how much or not; empty without a bound or a tolerance."""
         if self.holds is None or self.published is None:
             return ""
         if self.bound:
@@ -84,7 +85,7 @@ class Finding:
 
 
 def under(experiment: str, findings: Iterable[Finding]) -> list[Finding]:
-    """Findings of one experiment."""
+    """Findings with the name of their experiment set."""
     return [replace(finding, experiment=experiment) for finding in findings]
 
 
@@ -93,7 +94,7 @@ Line = tuple[Any, ...]
 
 
 class Grid(NamedTuple):
-    """A table of figures: a line for each law or case, the first entry of a line its name."""
+    """A table of figures: a line for each law or case, which begins with its name."""
 
     title: str
     heads: tuple[str, ...]
@@ -144,7 +145,7 @@ class Report:
 
     @property
     def ok(self) -> bool:
-        """True if every figure is as the study says."""
+        """True if every finding is ``ok``."""
         return all(finding.ok for finding in self.findings)
 
 
@@ -152,7 +153,7 @@ class Session:
     """One run of a study.
 
     Attributes:
-        flights: wanted number of flights, in the study's own count.
+        flights: wanted number of flights, as the study counts them.
         parts: wanted parts of the study, such as laws.
         total: number of flights in all, for the progress; set by the study.
     """
@@ -206,7 +207,7 @@ class Study:
         """Run the study.
 
         Args:
-            flights: as many as the source's if not given.
+            flights: number of flights; by default that of the source.
             only: some of ``parts``; all if empty.
             progress: called with the flights done and the flights in all.
         """
@@ -215,7 +216,7 @@ class Study:
 
 
 def to_json(study: Study, report: Report) -> str:
-    """Findings as JSON text; what could not be formed is null."""
+    """Findings as JSON text; a figure that could not be computed is null."""
     grids = [
         {"title": title, "rows": [dict(zip(heads, row, strict=True)) for row in rows]}
         for title, heads, rows in report.grids
@@ -227,7 +228,7 @@ def to_json(study: Study, report: Report) -> str:
 
 
 def write_study(study: Study, report: Report, folder: Path) -> None:
-    """Write findings as JSON, rows as Parquet and pictures as PNG into a folder, which exists."""
+    """Write findings as JSON, rows as Parquet and pictures as PNG into an existing folder."""
     import pyarrow.parquet as pq
 
     (folder / "summary.json").write_text(to_json(study, report), encoding="utf-8")

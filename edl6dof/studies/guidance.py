@@ -4,8 +4,8 @@ everything dispersed.
 This is an experiment of this simulator and of no paper: all laws fly each vehicle with one plant, one
 attitude controller, one reversal logic and the same errors, from entry interface to the mortar.  The miss is
 the distance at mortar fire from the point to which entry guidance steers.  Two missions fly in six degrees of
-freedom on instruments, with either trigger of their parachute.  The point masses of three papers get what a
-vehicle has: a limited bank rate, and a drag reference that is updated by the range to go.
+freedom with instruments, each with two kinds of parachute trigger.  The point masses of three papers get what
+a vehicle has: a limited bank rate, and a drag reference that is updated by the range to go.
 """
 
 from __future__ import annotations
@@ -52,11 +52,11 @@ from edl6dof.studies.samples import (
 )
 
 ENTRY, SEED = "flight_software.guidance.entry", 2021
-#: A law of constant magnitude is no guidance.
+#: All laws but constant bank, which is no guidance.
 LAWS = tuple(name for name in ENTRY_LAWS.names if name != "constant_bank")
 #: Dispersed flights for each flight of a condition.
 _PER_CONDITION = 20
-#: Targets of this study: which share of the misses of the best law keeps within how much (km), time of a call
+#: Targets of this study: share of the best law's misses that must be within a distance (km), time of a call
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
 PREDICTORS = ("npc", "fnpeg")
@@ -68,12 +68,12 @@ REMARKS = (
     "bank_profile flies the planned bank open loop: what the conditions do without guidance.",
 )
 Values = dict[str, Any]
-#: Time (us) of a call on a vehicle of a law.
+#: Time (us) of a call by vehicle and law.
 Calls = dict[tuple[str, str], float]
 
 
 def run(session: Session) -> Report:
-    """Fly dispersed entries and conditions by all laws; with lift up the entries that all laws missed."""
+    """Fly dispersed entries and conditions by all laws; fly entries that all laws missed with lift up."""
     flights, rows = session.flights, []
     calls: Calls = {}
     each = [len(cases(vehicle, vehicle.load().scenario, "", flights)) for vehicle in VEHICLES]
@@ -101,7 +101,7 @@ class Vehicle(NamedTuple):
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """The scenario until mortar fire."""
+        """The scenario with a flight that ends at mortar fire."""
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
@@ -120,7 +120,7 @@ VEHICLES = (
 
 
 def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
-    """The entry flown by a law; the open-loop law flies the bank angle that was planned, over speed."""
+    """The entry flown by a law; the open-loop law flies the planned bank angle as a function of speed."""
     planned = vehicle.load(f"{ENTRY}.reference_bank.fit_range=true")
     onboard, entry = build_records(planned).onboard[0], planned.scenario.flight_software.guidance.entry
     speeds = np.linspace(entry.align_speed_m_s + 1.0, planned.scenario.initial.speed, 16)
@@ -135,7 +135,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
 
 # ---- conditions ----------------------------------------------------------------------------------------
 
-#: Changes of every flight; each has its own waves of density, gusts and instrument errors.
+#: Changes of every flight; each flight has its own waves of density, gusts and instrument errors.
 WAVES_AND_GUSTS: Values = {"atmosphere.perturbation.enabled": True, "wind.gust.enabled": True}
 _ANGLE = "initial.flight_path_angle_deg"
 _SLOW_DEG_S, _WIND_M_S = 5.0, 60.0
@@ -148,7 +148,7 @@ def _is_rigid(scenario: Scenario) -> bool:
 
 
 def _less_lift(scenario: Scenario, flight: int) -> Values:
-    """A lift-to-drag ratio less by a fifth; of a capsule by a centre whose offset is less by a third."""
+    """A lift-to-drag ratio a fifth lower; for a capsule, a centre of mass with an offset a third smaller."""
     path, factor = "vehicle.aero.lift_drag.lift_to_drag", 0.8
     if _is_rigid(scenario):
         path, factor = "vehicle.mass.entry_centre_m.2", 2.0 / 3.0
@@ -172,7 +172,7 @@ def _slow_bank(scenario: Scenario, flight: int) -> Values:
 
 
 def _poor_navigation(scenario: Scenario, flight: int) -> Values:
-    """State errors three times those believed, sent up by the ground; of a point mass in the whole flight."""
+    """State errors three times those believed, sent by the ground; for a point mass in the whole flight."""
     rigid, draws = _is_rigid(scenario), np.random.default_rng((SEED, flight))
     tracking = scenario.sensors.ground_tracking if rigid else GroundTrackingParams()
     section = "sensors.ground_tracking" if rigid else "sensors.navigation_error"
@@ -223,7 +223,7 @@ DISPERSED = "dispersed"
 
 
 def entries(vehicle: Vehicle, flights: int) -> list[Values]:
-    """True values of dispersed entries of a campaign; those that act after mortar fire change nothing."""
+    """True values of dispersed entries of a campaign; values that act after mortar fire change nothing."""
     if not vehicle.dispersions:
         return []
     return [dict(case.truth) for case in load_plan(vehicle.dispersions, cases=flights).cases()]
@@ -259,7 +259,7 @@ _LIFT_UP = (
 
 
 def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
-    """Fly with lift up those of ``flights`` drawn entries that all laws missed; returns their rows."""
+    """Fly those of ``flights`` drawn entries that all laws missed again with lift up; return their rows."""
     best: dict[int, float] = {}
     own = pick(rows, vehicle=vehicle.name, condition=DISPERSED)
     for row, miss in zip(own, misses(own), strict=True):
@@ -307,7 +307,7 @@ TIMED_AT, REPEATS, BLOCKS = (90.0, 110.0, 130.0, 160.0, 200.0), 20, 15
 
 @kernel
 def _repeat(entry_law, bank_side, onboards, navs, memories, work, outs, repeats):
-    """Call an entry law again and again on a few states, each time with its memory as it was."""
+    """Call an entry law repeatedly on a few states, each time with the memory as it was at first."""
     for _ in range(repeats):
         for j in range(navs.shape[0]):
             work[0] = memories[j]
@@ -334,7 +334,7 @@ def misses(rows: Sequence[Row]) -> np.ndarray:
 
 
 def best_first(rows: Sequence[Row]) -> list[str]:
-    """The laws of some rows in the order of the miss that 99 % of their flights keep within."""
+    """The laws of some rows in the order of the miss that 99 % of their flights do not exceed."""
     return sorted(kinds(rows, "law"), key=lambda law: _worst_hundredth(pick(rows, law=law)))
 
 
@@ -414,7 +414,7 @@ def findings(rows: Sequence[Row], calls: Calls, beyond: Mapping[str, set[int]]) 
 
 
 def _best_law(vehicle: str, flown: Sequence[Row], beyond: set[int]) -> Iterator[Finding]:
-    """Misses of the best law, of all entries and of those in reach, and its deployment box."""
+    """Misses of the best law, of all entries and of those in reach, and the law's deployment box."""
     best = best_first(flown)[0]
     mine = pick(flown, law=best)
     share, words = 100.0 * len(beyond) / len(mine), f"{vehicle}: {percent(TARGET_SHARE)} of misses"

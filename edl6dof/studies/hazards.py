@@ -1,8 +1,8 @@
 """Landings among rocks, with and without hazard avoidance.
 
-No paper's experiment but this simulator's own.  The flights are those of ``tianwen1_mc`` over the ground of
-``tianwen1_hazards``, another one in each flight, at three abundances of rocks.  Blind landings fly to a fixed
-offset: how many of them come down on a rock is known in closed form (Golombek & Rapp 1997).
+This is an experiment of this simulator and of no paper.  The flights are those of ``tianwen1_mc`` over the
+ground of ``tianwen1_hazards``, which differs in each flight, at three abundances of rocks.  Blind landings
+fly to a fixed offset: how many of them come down on a rock is known in closed form (Golombek & Rapp 1997).
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from edl6dof.studies.samples import (
 SCENARIO, DISPERSIONS = "tianwen1_hazards", "tianwen1_mc"
 #: Share of the ground that rocks cover.
 ABUNDANCES = (0.04, 0.1, 0.2)
-#: Hazard detection; the first, which detects nothing, is blind.
+#: Ways of hazard detection; the first detects nothing: blind landings.
 WAYS = HAZARD_DETECTION.names
 BLIND = WAYS[0]
 #: Targets, at the abundance that they hold for: flights on a rock (%), spots wrongly thought safe (%), 95 %
 #: of touchdowns from the spot (m), least distance from backshell and canopy (m).
 AT, ON_A_ROCK_PCT, FALSE_SAFE_PCT, SPOT_M, CLEAR_M = 0.1, 0.5, 0.1, 1.5, 50.0
-#: Standard errors that a counted share may lie off the expected one: 99 % of them do less.
+#: Standard errors by which a counted share may differ from the expected one: 99 % of shares differ by less.
 _ERRORS = 2.58
 REMARKS = (
     "On a rock: the middle of a rock of half a metre or more lies within the 12.6 m2 under the lander; a "
@@ -52,7 +52,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly dispersed landings with each detection over each ground."""
+    """Fly dispersed landings with each way of hazard detection over each ground."""
     session.total = len(session.parts) * len(ABUNDANCES) * session.flights
     rows: list[Row] = []
     for abundance in ABUNDANCES:
@@ -62,7 +62,7 @@ def run(session: Session) -> Report:
 
 
 def over(abundance: float, way: str) -> LoadedScenario:
-    """The landing with one detection (``way``) over ground with this rock abundance."""
+    """The landing with one way of hazard detection over ground with this rock abundance."""
     air = ["atmosphere.perturbation.enabled=true", "wind.gust.enabled=true"]
     ground = f"terrain.landing_area.rock_abundance={abundance:g}"
     detection = f"flight_software.hazard.detection={way}"
@@ -70,7 +70,7 @@ def over(abundance: float, way: str) -> LoadedScenario:
 
 
 def cases(abundance: float, way: str, flights: int) -> list[Case]:
-    """The first cases of the campaign; the number of a case is also that of its ground."""
+    """The first cases of the campaign; a case and its ground have the same number."""
     label = {"abundance": abundance, "way": way}
     return [replace(one, label=label) for one in load_plan(DISPERSIONS).cases(0, flights)]
 
@@ -90,12 +90,12 @@ def blind_share(abundance: float) -> float:
 
 
 def on_a_rock(rows: list[Row]) -> float:
-    """Share (%) of flights that landed on a rock that counts, or did not land."""
+    """Share (%) of flights that landed on a rock large enough to count, or did not land."""
     return percentage(column(rows, "rocks_under_lander", inf) > 0.0)
 
 
 def findings(rows: list[Row]) -> Iterator[Finding]:
-    """Blind landings against the closed form, and the targets of the others."""
+    """Compare blind landings with the closed form, and the others with their targets."""
     ways = kinds(rows, "way")
     if BLIND in ways:
         yield from _blind(rows)
@@ -133,7 +133,7 @@ _HEADS = (
 
 
 def _grids(rows: list[Row]) -> Iterator[Grid]:
-    """Figures of each detection, a table for each ground."""
+    """Figures of each way of hazard detection, a table for each ground."""
     ways = kinds(rows, "way")
     for abundance in ABUNDANCES:
         flown = {way: pick(rows, abundance=abundance, way=way) for way in ways}

@@ -36,7 +36,7 @@ from edl6dof.telemetry.timeline import first_times
 from edl6dof.vehicle.plant import ATTITUDE, RATE
 
 SCENARIO, SEED = "tianwen1", 2022
-#: Control is examined, and the flight computer has to know a state that is set up.
+#: Perfect sensors: control is tested, and the flight computer has to know a state that was set.
 _PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 REMARKS = (
@@ -65,10 +65,10 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the nominal and its neighbours, dispersed powered descents, and the single experiments."""
+    """Fly the nominal flight and its neighbours, dispersed powered descents, and the single experiments."""
     nominal = edl6dof.fly(SCENARIO, [_PERFECT])
     around = min(FLIGHTS, max(2, session.flights))
-    release = state_at(nominal.metrics["backshell_s"] + AFTER_RELEASE_S)
+    release = state_at(nominal.figures["backshell_s"] + AFTER_RELEASE_S)
     before = avoidance_starts(session.flights)
     tasks: list[Callable[[], Row]] = [
         partial(entry_row, release, number, entry, formulation)
@@ -95,7 +95,7 @@ def run(session: Session) -> Report:
 
 
 def state_at(time_s: float, changes: Sequence[str] = (_PERFECT,)) -> State:
-    """The Tianwen-1 scenario with ``PATH=VALUE`` changes at a time."""
+    """State at a time of the Tianwen-1 scenario with ``PATH=VALUE`` changes."""
     limit = f"simulation.time_limit_s={time_s + 1.0}"
     saved = edl6dof.fly(SCENARIO, [*changes, limit], save_at_s=time_s).saved
     if saved is None:
@@ -139,8 +139,8 @@ _FLIGHT = {
 
 def _lateral_force(flight: Flight) -> Finding:
     table = flight.telemetry
-    rows = (table["t_s"] > flight.metrics["backshell_s"] + 1.0) & flight.during(HAZARD_AVOIDANCE)
-    rows &= table["t_s"] < flight.metrics["touchdown_s"]
+    rows = (table["t_s"] > flight.figures["backshell_s"] + 1.0) & flight.during(HAZARD_AVOIDANCE)
+    rows &= table["t_s"] < flight.figures["touchdown_s"]
     own = max(float(np.max(np.abs(table[f"estimate.force_{axis}_n"][rows]))) for axis in "yz")
     return Finding("estimated force", "N", own, 40.0, note="Fig. 12, one flight")
 
@@ -174,7 +174,7 @@ def draw_entries(count: int, seed: int) -> Iterator[Entry]:
 
 
 def hung_like(state: State, entry: Entry) -> State:
-    """A state with another attitude and rate, consistent in sensors and estimators."""
+    """A copy of a state with the attitude and rate of ``entry``, consistent in sensors and estimators."""
     plant, sensors, fsw = state.plant.copy(), state.sensors.copy(), state.fsw.copy()
     nav = fsw["nav"][0]
     axes = (tuple(nav[f"{name}_I"]) for name in ("north", "east", "up", "up"))
@@ -189,7 +189,7 @@ def hung_like(state: State, entry: Entry) -> State:
 
 
 def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row:
-    """Fly one dispersed entry with one error formulation: when the commanded thrust direction is found."""
+    """Fly one dispersed entry with one error formulation: time to reach the commanded thrust direction."""
     flight = carry_on(hung_like(release, entry), [f"{LANDER}.error={formulation}"])
     t = flight.telemetry["t_s"] - flight.telemetry["t_s"][0]
     watched = t < WATCHED_S
@@ -233,14 +233,14 @@ def _of_entries(rows: list[Row]) -> Iterator[Finding]:
 
 # ---- sections 6.2 and 4.3: a torque step in the hover, a trim wing that stays shut ---------------------
 
-#: The step, N m, and what works against it: settings by name.
+#: Torque of the step, N m, and settings of control against it by name.
 STEP_NM = 100.0
 _PITCH_YAW, INTEGRAL = f"{LANDER}.pitch_yaw", f"{LANDER}.against_disturbance=integral"
 AGAINST_STEP: dict[str, tuple[str, ...]] = {
     "estimator": (),
     # the integral that settles soonest with the same P and D, in a PID zone wide enough for it
     "integral": (INTEGRAL, f"{_PITCH_YAW}.integral=0.4", f"{_PITCH_YAW}.near_deg=12"),
-    # what the estimator is worth in its linear range: P + lambda D, lambda P, D + lambda for P 1.4, D 1.9,
+    # PID gains equal to the estimator in its linear range: P + lambda D, lambda P, D + lambda; P 1.4, D 1.9,
     # lambda 8
     "equal PID": (
         *(INTEGRAL, f"{_PITCH_YAW}.proportional=16.6", f"{_PITCH_YAW}.integral=11.2"),
@@ -280,12 +280,12 @@ def step_row(name: str, flight: Flight) -> Row:
 
 
 def wing_row(name: str, held: bool) -> Row:
-    """Fly an entry whose trim wing stays shut: total angle of attack at which the parachute opens."""
+    """Fly an entry whose trim wing stays shut: total angle of attack when the parachute opens."""
     phases, alpha = edl6dof.load(SCENARIO).scenario.mission.phases, "parachute_total_alpha_deg"
     branch = [phase.hold_alpha for phase in phases].index(True)
     holding = f"mission.phases.{branch}.hold_alpha={str(held).lower()}"
     flight = edl6dof.fly(SCENARIO, [_PERFECT, "faults=[{kind: wing_stuck, at: {time_s: 0}}]", holding])
-    return {**_head("trim wing", name, flight), alpha: flight.metrics[alpha]}
+    return {**_head("trim wing", name, flight), alpha: flight.figures[alpha]}
 
 
 def _of_experiments(rows: list[Row]) -> Iterator[Finding]:
@@ -324,7 +324,7 @@ SHOWN, _ENTRIES_FOR_A_START = "D7", 33
 
 
 class Avoidance(NamedTuple):
-    """One avoidance: its start, its control, and the thruster that fails, if any."""
+    """One hazard avoidance: its start, its control, and the thruster that fails, if any."""
 
     start: int
     control: str
@@ -335,7 +335,7 @@ class Avoidance(NamedTuple):
 
 
 def avoidance_starts(entries: int) -> list[State]:
-    """States shortly before the avoidance of flights on instruments, each with errors of its own."""
+    """States shortly before hazard avoidance in flights by instruments, each with its own sensor errors."""
     found = []
     for profile in range(max(1, entries // _ENTRIES_FOR_A_START)):
         own = (f"profile={profile}",)
@@ -345,7 +345,7 @@ def avoidance_starts(entries: int) -> list[State]:
 
 
 def avoidance_cases(starts: int, scenario: Scenario) -> Iterator[Avoidance]:
-    """Every control with all thrusters healthy, and each horizontal one dead; slower estimators."""
+    """Yield every control with all thrusters intact and each horizontal one dead; then slower estimators."""
     for start, control in product(range(starts), CONTROL):
         yield Avoidance(start, control, True)
         for name, moment, diagnosed in product(pushes(scenario), MOMENTS_S, (True, False)):
@@ -355,13 +355,13 @@ def avoidance_cases(starts: int, scenario: Scenario) -> Iterator[Avoidance]:
 
 
 def pushes(scenario: Scenario) -> dict[str, tuple[float, float]]:
-    """North and east parts of each horizontal push on the upright lander: y points south, z west."""
+    """North and east parts of the push of each horizontal thruster on an upright lander (y south, z west)."""
     horizontal = [one for one in scenario.vehicle.rcs.thrusters if one.group == "horizontal"]
     return {one.name: (-one.direction[1], -one.direction[2]) for one in horizontal}
 
 
 def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
-    """Fly an avoidance."""
+    """Fly a hazard avoidance."""
     north, east = pushes(scenario)[case.thruster or SHOWN]
     phase = scenario.phase_names[scenario.phase_roles.index(HAZARD_AVOIDANCE)]
     when = f"{{phase: {phase}, plus_s: {case.moment_s}}}"
@@ -379,7 +379,7 @@ def avoid(states: list[State], scenario: Scenario, case: Avoidance) -> Flight:
 
 
 def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> Row:
-    """Effect of an avoidance on the roll axis, and its distance from the safe spot at the end."""
+    """Effect of a hazard avoidance on the roll axis, and its distance from the safe spot at the end."""
     flight = avoid(states, scenario, case)
     table, rows = flight.telemetry, np.flatnonzero(flight.during(HAZARD_AVOIDANCE))
     terminal = flight.scenario.flight_software.guidance.powered.terminal
@@ -398,8 +398,9 @@ def avoidance_row(states: list[State], scenario: Scenario, case: Avoidance) -> R
 
 
 def foreseen_deg(scenario: Scenario, inertia: float, pole_rad_s: float) -> float:
-    """Roll error by a dead thruster under eq. 9, d / (J (P + lambda D)), with d of its partner at the largest
-    lateral force, roll ``inertia`` J (kg m2), and lambda = 0 for a PID law, whose integral is slow.
+    """Roll error by a dead thruster under eq. 9, d / (J (P + lambda D)), with d the torque of its partner at
+    the largest lateral force, roll ``inertia`` J (kg m2), and lambda = 0 for a PID law, whose integral is
+    slow.
     """
     partner = next(one for one in scenario.vehicle.rcs.thrusters if one.name == SHOWN)
     duty = scenario.flight_software.guidance.powered.terminal.lateral_force_n / (2.0 * partner.thrust_n)
@@ -451,7 +452,7 @@ def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
         rows = flight.during(HAZARD_AVOIDANCE)
         t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
         roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
-    after, before = (nominal.metrics[f"{one}_s"] for one in ("backshell", "touchdown"))
+    after, before = (nominal.figures[f"{one}_s"] for one in ("backshell", "touchdown"))
     powered = (table["t_s"] > after) & (table["t_s"] < before)
     torque = [Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
     panels = [Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll)]

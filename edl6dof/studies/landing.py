@@ -1,8 +1,8 @@
 """Every powered law from the same dispersed ignition states, on diverts of three lengths, and with the engine
 failing.
 
-This is an experiment of this simulator and of no paper.  The flights are those of ``tianwen1_mc``; they are
-the same for all laws until ignition, so that only the laws make a difference.
+This is an experiment of this simulator and of no paper.  The flights are those of ``tianwen1_mc``, and the
+same for all laws until ignition, so that they differ by the laws only.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def run(session: Session) -> Report:
 
 
 def divert(metres: float) -> str:
-    """Condition of a divert."""
+    """Name of the condition of a divert."""
     return f"divert {metres:g} m"
 
 
@@ -108,12 +108,12 @@ def _release(height: float) -> str:
 
 
 def with_law(law: str) -> LoadedScenario:
-    """The landing flown by a law."""
+    """The scenario of the landing, flown by a law."""
     return edl6dof.load(SCENARIO, ["simulation.log_every=5", f"{POWERED}.law={law}"])
 
 
 def dispersed(flights: int) -> list[Case]:
-    """The first cases of the campaign, the same for all laws."""
+    """The first cases of the campaign, which are the same for all laws."""
     return list(load_plan(SCENARIO).cases(0, flights))
 
 
@@ -148,8 +148,9 @@ def of_flight(flight: Flight) -> dict[str, float]:
     ``ground_fuel_kg``: propellant from ignition to hover, and to the ground.  ``target_miss_m``: true
     horizontal distance at the beginning of hover from the target, which guidance has put relative to the
     lander's place at ignition; ``navigated_miss_m``: the same as navigated.  ``hover_off_m``: height above
-    that of the target.  ``peak_tilt_deg``: of the thrust axis while decelerating.  ``saturated_s``: thrust at
-    or above the upper end of its band, or commanded tilt at its limit, without the start at full thrust.
+    the height of the target.  ``peak_tilt_deg``: largest tilt of the thrust axis while decelerating.
+    ``saturated_s``: time with thrust at or above the upper end of its band, or commanded tilt at its limit;
+    the start at full thrust is left out.
     """
     rows, braking = flight.telemetry, np.flatnonzero(flight.during(POWERED_DECELERATION))
     burning = braking[rows["guide.thrust_n"][braking] > 0.0]
@@ -184,7 +185,7 @@ def _saturated(flight: Flight, burning: np.ndarray) -> float:
 
 
 def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
-    """State at the beginning of hover relative to the target."""
+    """Miss (m), height (m) and speed (m/s) at the beginning of hover, relative to the target."""
     rows, target = flight.telemetry, flight.fsw[0]["guidance"]["target"]
 
     def level(stem: str, row: int) -> np.ndarray:
@@ -193,7 +194,7 @@ def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
     off = level("truth.site", hover) - target["point_L"]
     chosen, now = (level("nav.error", row) for row in (start, hover))
     return {
-        # the target lies where navigation believed it when it was chosen, which its error then puts elsewhere
+        # guidance chose the target in navigated axes, so the navigation error of that time displaces it
         "target_miss_m": float(np.hypot(*(off + chosen))),
         "navigated_miss_m": float(np.hypot(*(off + now))),
         "hover_off_m": float(rows["truth.height_m"][hover] - target["height"]),
@@ -203,14 +204,14 @@ def _arrival(flight: Flight, start: int, hover: int) -> dict[str, float]:
 
 # ---- time of a call: the compiled law alone, over states of the nominal descent ------------------------
 
-#: Times (s) of the states after backshell release; the calls come later by what a law takes to plan again.
+#: Times (s) of the states after backshell release; time (s) from a state to the call, to plan again.
 SAVED_AFTER_S, LATER_S = (3.0, 11.0, 19.0, 27.0), 1.0
 REPEATS, BLOCKS = 20, 10
 
 
 @kernel
 def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats):
-    """Call a powered law again and again on one state, each time with its memory as it was."""
+    """Call a powered law repeatedly on one state, each time with the memory as it was at first."""
     powered = onboards[0].guidance.powered
     for _ in range(repeats):
         work[0] = memories[0]
@@ -228,10 +229,10 @@ def _repeat(law, onboards, states, navs, targets, memories, work, outs, repeats)
 
 def call_time(loaded: LoadedScenario) -> float:
     """Longest processor time (us) of a guidance call over states of the nominal descent; the memory of the
-    law is one second old, so that a law that plans at intervals plans in the call.
+    law is one second old, so that a law that plans at intervals plans in every call.
     """
     onboard = build_records(loaded).onboard
-    released = edl6dof.fly(loaded).metrics["backshell_s"]
+    released = edl6dof.fly(loaded).figures["backshell_s"]
     times = [released + after + later for after in SAVED_AFTER_S for later in (0.0, LATER_S)]
     moments = snapshots_at(loaded, times)
     if len(moments) < len(times):
@@ -270,7 +271,7 @@ def _came_down(rows: Sequence[Row]) -> list[bool]:
 
 
 def difference(rows: Sequence[Row], law: str, name: str) -> tuple[float, float]:
-    """Mean of a figure less the reference's in the same flights, and half of its 95 % interval."""
+    """Mean of a figure less that of the reference law in the same flights, and half of its 95 % interval."""
     ours, theirs = ({row["flight"]: row.get(name, nan) for row in of(rows, one)} for one in (law, REFERENCE))
     pairs = np.array([ours[flight] - theirs[flight] for flight in ours.keys() & theirs.keys()], float)
     pairs = pairs[np.isfinite(pairs)]

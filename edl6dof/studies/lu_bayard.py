@@ -55,13 +55,13 @@ FLOWN = (
     "adaptation_energy: 20.0}",
 )
 SETTINGS = {"as printed": AS_PRINTED, "flown": FLOWN}
-#: Drag error (m/s2) at the start of what is integrated.
+#: Drag error (m/s2) at the start of an integration.
 START_ERROR = 2.0
 #: Steering of a trial, in the order of the columns; constant bank angles in deg.
 FREE, LIMITED = "law, free lift", "law, own lift"
 BANKS = {"bank 20 deg": 20.0, "bank 100 deg": 100.0}
 _PATH = "point_mass.disturbance"
-#: Flights: settings, and true values of which the flight computer is not told.
+#: Flights: settings, and true values that the flight computer does not know.
 FLIGHTS: dict[str, tuple[tuple[str, ...], dict[str, float]]] = {
     "flown": (FLOWN, {}),
     "flown, lift 10 % low": (FLOWN, {"vehicle.aero.lift_drag.lift_to_drag": 0.216}),
@@ -111,7 +111,8 @@ class Design:
 
     Attributes:
         gain, weight, energy: lambda (s2), rho (s4) and epsilon (m2/s3) of the law.
-        gravity, radius, scale_height: of the reference sphere, SI.
+        gravity, radius, scale_height: gravity (m/s2), radius (m) and scale height (m) of the reference
+            sphere.
     """
 
     gain: float
@@ -170,7 +171,7 @@ class Response:
 
 # ---- the equations of motion with errors of air and lift -----------------------------------------------
 
-#: Rate (s) at which the law is called, and rows after which a trial that does not slow down is given up.
+#: Time (s) from call to call of the law, and rows after which a trial that does not slow down is given up.
 CALL_S, MOST_ROWS = 0.1, 6000
 #: Height (m) of one wave of the density, and below which a wind grows with height; half the time (s) over
 #: which a rate of drag is measured.
@@ -207,7 +208,7 @@ COUNT = len(SETTINGS) * len(ERRORS) * (2 + len(BANKS)) + len(FLIGHTS)
 
 
 class Motion:
-    """The point mass in air with given errors, and the law with its planned profile."""
+    """The point mass in air with given errors, and the law with its planned drag profile."""
 
     def __init__(self, loaded: LoadedScenario, errors: Errors):
         self.record, self.errors = build_onboard(loaded.scenario)[0], errors
@@ -226,7 +227,7 @@ class Motion:
         return 0.5 * density * speed**2 * self._per_pressure * exp(self.errors.excess(height, speed))
 
     def sensed(self, state: State) -> tuple[float, float]:
-        """Drag and its rate, which are measured in the paper."""
+        """Drag (m/s2) and its rate (m/s3), which the paper takes as measured."""
         height, speed, path = state
         drag = self._drag(height, speed)
         climb, speed_rate = speed * sin(path), -drag - self._gravity(height) * sin(path)
@@ -246,7 +247,7 @@ class Motion:
         return height, speed, asin(path_sine(speed, goal, slope, self._gravity(height), design.scale_height))
 
     def call(self, memory: np.void, state: State, flown: float, dt: float) -> tuple[float, float, float]:
-        """Drag error, its rate, and the input that the law wants after ``flown`` over ``dt`` (s)."""
+        """Drag error (m/s2), its rate (m/s3), and the law's u after an input ``flown`` for ``dt`` (s)."""
         height, speed, path = state
         drag, rate = self.sensed(state)
         goal, slope, curvature = profile_drag(self.profile, speed)
@@ -259,7 +260,7 @@ class Motion:
         return error, error_rate, u
 
     def step(self, state: State, u: float) -> State:
-        """The state a call later with constant input, by RK4 in plain numbers: numpy is slower for three."""
+        """The state at the next call with constant input, by RK4 in plain numbers, faster than numpy here."""
 
         def rates(height: float, speed: float, path: float) -> State:
             drag, gravity = self._drag(height, speed), self._gravity(height)
@@ -285,7 +286,7 @@ def fly_free(
     Args:
         motion: vehicle, air and law.
         limit: largest |u|.
-        constant: an input held in place of the law's.
+        constant: constant input in place of the law's.
     """
     memory = np.zeros(1, MEMORY)[0]
     begin(motion.law, memory)
@@ -309,9 +310,9 @@ def disturbance_of(design: Design, *columns: np.ndarray) -> np.ndarray:
 
     With D = k rho V_air^2 the relative rate of the drag exceeds that of the model by delta = d/dt (ln(rho /
     rho_model) + 2 ln(V_air / V)); that enters D'' as D delta' + (D^2/V) ((V^2 - 4 g H)/(V^2 + 2 g H)) delta,
-    and an error of L/D as what it adds to the input, times g2.  Nothing here knows the drag that is to be
-    followed.  Source: Lu & Bayard, section 2.3; as printed, w lacks V^2 (see
-    :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics`) and lift has no error.
+    and an error of L/D as what it adds to the input, times g2.  The reference drag does not enter.  Source:
+    Lu & Bayard, section 2.3; as printed, w lacks V^2 (see :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics`)
+    and lift has no error.
 
     Args:
         design: for gravity, radius and scale height.
@@ -356,7 +357,7 @@ NO_LAW = "nothing tracks: the bound is one that can be broken"
 
 
 def _of_trials(trials: list[Trial]) -> Iterator[Finding]:
-    """Largest ratio of the trials that must keep the claim, and least ratio of those that must break it."""
+    """Largest ratio of the trials that must meet the claim, and least ratio of those that must break it."""
     what = "error energy over its bound"
     free = [t for t in trials if t.steering == FREE]
     for one in SETTINGS:
@@ -388,7 +389,7 @@ Flights = dict[str, tuple[Response, float]]
 
 
 def measured(flight: Flight) -> tuple[Response, float]:
-    """Drag error at the rate of guidance and the disturbance by the given errors; share at a limit."""
+    """Response of a flight at the guidance rate, under the given errors; share of it at a bank limit."""
     software, onboard = flight.scenario.flight_software, build_onboard(flight.scenario)
     entry, every = software.guidance.entry, software.rates.entry_guidance_every
     rows = {name: values[::every] for name, values in flight.telemetry.items()}
@@ -413,7 +414,7 @@ def measured(flight: Flight) -> tuple[Response, float]:
 
 
 def _flight_grid(flights: Flights) -> Grid:
-    """Energies in m2/s3."""
+    """Energies of the flights, m2/s3."""
     heads = ("flight", "error energy", "lambda^2 int w^2", "at start", "over bound", "bank at limit %")
     lines = []
     for name, (one, at_limit) in flights.items():

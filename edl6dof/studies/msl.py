@@ -84,7 +84,7 @@ def figures(flight: Flight) -> dict[str, float]:
     """Figures of one flight that only this study has."""
     t, entry = flight.telemetry, flight.scenario.flight_software.guidance.entry
     time, bank, slow = t["t_s"], t["truth.bank_deg"], t["truth.speed_m_s"] < entry.heading_below_m_s
-    steered = (time > flight.metrics["lift_start_s"]) & ~slow
+    steered = (time > flight.figures["lift_start_s"]) & ~slow
     crossings = time[1:][(bank[1:] * bank[:-1] < 0.0) & steered[1:]]
     times = np.append(crossings[:3], [nan] * 3)
     lat, lon = (np.radians(t[f"truth.{name}_deg"][[0, -1]]) for name in ("latitude", "longitude"))
@@ -97,7 +97,7 @@ def figures(flight: Flight) -> dict[str, float]:
         "navigated_mach": float(t["nav.mach"][-1]),
         "path_deg": float(t["truth.flight_path_angle_deg"][-1]),
         "range_km": angle * flight.scenario.planet.equatorial_radius_m / 1e3,
-        "beyond_km": flight.metrics["parachute_downrange_m"] / 1e3,
+        "beyond_km": flight.figures["parachute_downrange_m"] / 1e3,
     }
 
 

@@ -1,8 +1,8 @@
 """Coefficients of two capsules from their shapes alone compared with published ones: the 70-degree Phoenix,
 over Mach number and angle, and the axial force of the 60-degree Stardust in hypersonic flow.
 
-Nothing is flown.  Newtonian flow has shape and stagnation pressure, but no detached shock, sonic line or
-separation; the table shows the resulting errors.
+Nothing is flown.  Newtonian flow depends on shape and stagnation pressure, but has no detached shock, sonic
+line or separation; the table shows the resulting errors.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, floa
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
-    """The rows with these labels."""
+    """The rows whose columns have the ``wanted`` values."""
     return [row for row in rows if all(row.get(key) == value for key, value in wanted.items())]
 
 
@@ -66,12 +66,12 @@ def rms(sample: np.ndarray) -> float:
 
 
 def percentage(kept: Iterable[bool]) -> float:
-    """Share of those that are true, %."""
+    """Share (%) of true values."""
     return 100.0 * float(np.mean(list(kept)))
 
 
 def last_time(t: np.ndarray, holds: np.ndarray) -> float:
-    """Last time at which a condition holds; the first time if it never does."""
+    """Last time at which a condition holds; the first time of all if the condition never holds."""
     rows = np.flatnonzero(holds)
     return float(t[rows[-1] if len(rows) else 0])
 
@@ -90,7 +90,7 @@ def drag_dynamics_of(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarr
 
 
 def quickest_us(call: Callable[[], None], blocks: int) -> float:
-    """Processor time (us) of the quickest of some calls; others are disturbed by the machine."""
+    """Processor time (us) of the quickest of some calls; slower calls are disturbed by other work."""
     call()
     times = []
     for _ in range(blocks):
@@ -105,8 +105,8 @@ SHARES = (0.5, 0.95, 0.99)
 
 
 def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> Grid:
-    """A line for each sample, shape (flights,), infinite where one failed: how many flights, quantiles, and
-    their bounds at 95 % confidence.  Quantiles that no sample bounds are named in the title.
+    """A line for each sample, shape (flights,), infinite where a flight failed: number of flights, quantiles,
+    and their bounds at 95 % confidence.  Quantiles that no sample bounds are named in the title.
     """
     flights = {name: int(np.sum(~np.isnan(sample))) for name, sample in samples.items()}
     most = max(flights.values(), default=0)
@@ -125,8 +125,8 @@ def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> G
 
 
 def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding:
-    """A finding of which ``sample`` has the quantile, its bounds in the note; without number and result
-    where the flights are too few to bound it.
+    """Put the quantile of ``sample`` into a finding, and its bounds into the note; a finding without number
+    and result if the flights are too few to bound it.
     """
     note = f"{finding.note}, " if finding.note else ""
     found = quantile(sample, share, flown=True)
@@ -138,7 +138,7 @@ def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding
 
 
 def distribution(sample: np.ndarray, label: str) -> Curve:
-    """Share (%) of the flights that a figure is not above; those without it are missing at the top."""
+    """Share (%) of the flights whose figure is at most a value; flights without it are missing at the top."""
     ordered = np.sort(np.where(np.isnan(sample), inf, sample))
     share = np.arange(1, len(ordered) + 1) / max(len(ordered), 1) * 100.0
     known = np.isfinite(ordered)

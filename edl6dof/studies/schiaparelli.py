@@ -1,9 +1,9 @@
 """The landing of Schiaparelli: the chain that lost it, the cliff that it fell from, and the guards that would
 have held.
 
-The flight is that of ``scenarios/schiaparelli.yaml``, in which nothing is made to fail.  The flights around
-it enter with their nutation in any phase, in gusts of their own: the flag of saturation stays on for
-different times, and one guard at a time is switched on.
+The flight is that of ``scenarios/schiaparelli.yaml``, in which no fault is injected.  Other flights enter
+with nutation of any phase, each in its own gusts: the flag of saturation stays on for different times, and
+one guard at a time is switched on.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ HELD = ("backshell_height_m", "engine_burn_s", "touchdown_vertical_m_s")
 
 
 def _five_gyros() -> str:
-    """Three gyros along the axes and two between pitch and yaw: five allow to isolate a wrong one."""
+    """Override: three gyros along the axes, two between pitch and yaw; five can isolate a wrong one."""
     skew = (("gd", (0.0, 0.5**0.5, 0.5**0.5)), ("ge", (0.0, 0.5**0.5, -(0.5**0.5))))
     axes = [*zip(("gx", "gy", "gz"), np.eye(3).tolist(), strict=True), *skew]
     return f"{_GYROS}.axes={json.dumps([{'name': name, 'axis': list(axis)} for name, axis in axes])}"
@@ -89,10 +89,10 @@ def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
 
 def swing(flight: Flight) -> dict[str, float]:
     """Swing of the capsule under the opening canopy, time of the gyros' flag, error of the vertical after it,
-    time of the first failed check, and whether the flight neither landed nor only tipped over.
+    time of the first failed check, and whether the flight crashed (neither landed nor only tipped over).
     """
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
-    t, fired = flight.telemetry["t_s"], flight.metrics.get("parachute_s", nan)
+    t, fired = flight.telemetry["t_s"], flight.figures.get("parachute_s", nan)
     after = (t > fired) & (t < fired + SWINGING_S)
     if not after.any():
         lost = ("swing_deg_s", "flagged_s", "vertical_deg", "check_fails_s")
@@ -118,7 +118,7 @@ def swing(flight: Flight) -> dict[str, float]:
 def _chain(flight: Flight) -> Iterator[Finding]:
     """One flight of the scenario compared with published figures."""
     for figure, entry in published_figures(flight.scenario.published):
-        own, about = flight.metrics.get(figure.name, nan), (figure.meaning, figure.unit.label)
+        own, about = flight.figures.get(figure.name, nan), (figure.meaning, figure.unit.label)
         within = entry.sigma / abs(entry.number) if figure.name in HELD and entry.sigma else None
         yield Finding(*about, own, entry.number, entry.bound, within=within)
 
@@ -167,7 +167,7 @@ def _pictures(flight: Flight, rows: list[Row]) -> dict[str, list[Panel]]:
     """The height of the one flight, true and on board; the cliff, by swing and persistence of the flag."""
     t, height = flight.telemetry["t_s"], flight.telemetry["truth.height_m"] / 1e3
     on_board = height + flight.telemetry["nav.error_height_m"] / 1e3
-    late = t > flight.metrics["parachute_s"]
+    late = t > flight.figures["parachute_s"]
     heights = [Curve(t[late], height[late], "true"), Curve(t[late], on_board[late], "on board")]
     end = flight.scenario.sensors.inertial_unit.gyros.range_deg_s
     cliff = [Curve([1.0, 1.0], [0.0, 1.6], "end of the range", "reference")]

@@ -2,11 +2,11 @@
 observer.
 
 The paper as printed comes first: its gains and time scale, measured drag, perfect navigation, and the range
-update of section 3.2, every 5 s.  What does not come out so is flown in other ways, to find the cause; the
-settings of this software stand apart.  Reference bank, terminal speed, target, heading corridor, period of
-the update, limits of the bank angle and start of the observer are not printed; see scenarios/wu2013.yaml.
-Table 1 gives means and 3-sigma errors; those of ballistic coefficient and reference density are put on mass
-and density.
+update of section 3.2, every 5 s.  Figures that are not reproduced are flown in other ways, to find the cause;
+the settings of this software are an experiment of their own.  Reference bank, terminal speed, target, heading
+corridor, period of the update, limits of the bank angle and start of the observer are not printed; see
+scenarios/wu2013.yaml. Table 1 gives means and 3-sigma errors; those of ballistic coefficient and reference
+density are applied to mass and density.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def _navigation(truth: Truth, normal: np.ndarray) -> Truth:
 
 
 def _drag_of_the_model(truth: Truth, normal: np.ndarray) -> Truth:
-    """Drag of the mean density and ballistic coefficient in place of the measured one."""
+    """Drag by the mean density and ballistic coefficient, in place of the measured drag."""
     return {f"{_ERROR}.force_scale": truth[MASS] / 2804.0 / truth[DENSITY] - 1.0}
 
 
@@ -76,9 +76,9 @@ class Experiment(NamedTuple):
 
     Attributes:
         belief: changes of the scenario.
-        error: of navigation, from the truth of a flight and seven standard normals.
+        error: navigation errors, from the truth of a flight and seven standard normal numbers.
         laws: the laws that fly it.
-        share: of the runs of the study.
+        share: share of the runs of the study that it flies.
     """
 
     name: str
@@ -151,7 +151,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the dispersed entries in every experiment, and some of them in full."""
+    """Fly the dispersed entries in every experiment, and some again with their telemetry."""
     cases = all_cases(session.flights)
     session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO, AS_PRINTED), cases, figures)
@@ -169,7 +169,7 @@ def run(session: Session) -> Report:
 
 
 def all_cases(runs: int) -> list[Case]:
-    """Cases of all experiments, law by law; the entries of a share are the first of the whole."""
+    """Cases of all experiments, law by law; an experiment with a share of runs flies the first entries."""
     truths = draw(SPREADS, runs, SEED)
     normal = np.random.default_rng(SEED + 1).standard_normal((runs, 7))
     found: list[Case] = []
@@ -225,7 +225,7 @@ def converged_s(h: dict[str, np.ndarray], name: str) -> float:
 
 
 def _tracking(experiment: Experiment, law: str, rows: list[Row]) -> Iterator[Finding]:
-    """Largest miss of one law; the published one is without navigation errors."""
+    """Largest miss of one law; the published miss is without navigation errors."""
     miss, error = column(rows, "parachute_miss_m") / 1e3, column(rows, "rms_error_m_s2")
     published = None if experiment in (NAVIGATED, FLOWN) else MISS_KM[law]
     why = CAUSES.get((experiment.name, law)) if len(miss) >= ENOUGH else None

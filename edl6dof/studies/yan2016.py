@@ -5,7 +5,7 @@ The flight-path rate is disturbed by 0.01 sin(t) rad/s, as printed.  Lift makes 
 no law can cancel that; the comparison is repeated under a disturbance that lift can cancel for most of the
 flight, and with other gains.  The paper prints neither gains nor exponent, nor by how much the initial state
 deviates: gains here are this software's, the same for both laws, which fly from all eight corners of a box.
-Errors are those against the undisturbed nominal flight at equal time, as in the paper's figures.
+Errors are differences from the undisturbed nominal flight at equal time, as in the paper's figures.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ OBSERVED_S = 1.0
 SETTLED = 0.02
 #: Bank angles (deg) nearer than this to 0 or 180 are saturated.
 SATURATED_DEG = 0.01
-#: Errors beside the nominal; in those along the flight FTC+DOB is said to be the better law.
+#: Errors from the nominal flight; the paper calls FTC+DOB the better law in those along the flight.
 ERRORS = {
     "rms_altitude_error_km": "RMS altitude error",
     "rms_range_error_km": "RMS range error",
@@ -85,7 +85,9 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the nominal, both laws from every corner in every experiment, and one corner in full."""
+    """Fly the undisturbed nominal flight; both laws from the eight corners of the box of initial errors, in
+    every experiment; and one corner again with its telemetry, for the pictures.
+    """
     loaded = edl6dof.load(SCENARIO)
     nominal = edl6dof.fly(loaded)
     cases = [case(number, *choice) for number, choice in enumerate(product(EXPERIMENTS, LAWS, CORNERS))]
@@ -100,7 +102,7 @@ def run(session: Session) -> Report:
 
 
 def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]) -> Case:
-    """One law from one corner; the flight computer knows neither deviation nor disturbance."""
+    """One law from one corner of the box; the flight computer knows neither deviation nor disturbance."""
     truth = {path: mean + sign * width for (path, mean, width), sign in zip(DEVIATIONS, signs, strict=True)}
     truth["point_mass.disturbance.amplitude_rad_s"] = experiment.amplitude_rad_s
     belief = {
@@ -111,7 +113,7 @@ def case(number: int, experiment: Experiment, law: str, signs: tuple[float, ...]
     return Case(number, truth=truth, belief=belief, label={"law": law, "experiment": experiment.name})
 
 
-# ---- one flight beside the undisturbed nominal at equal time -------------------------------------------
+# ---- one flight against the undisturbed nominal at equal time -----------------------------------------
 
 
 def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
@@ -122,7 +124,7 @@ def figures(flight: Flight, nominal: Flight) -> dict[str, float]:
     ranges, nominal_ranges = downrange_m(flight), downrange_m(nominal)
     drag = rows["nav.drag_m_s2"][:shared] - planned["nav.drag_m_s2"][:shared]
     bank = np.abs(rows["guide.bank_deg"][flight.during(LIFT)])
-    end = flight.metrics["parachute_altitude_m"] - nominal.metrics["parachute_altitude_m"]
+    end = flight.figures["parachute_altitude_m"] - nominal.figures["parachute_altitude_m"]
     largest = SETTLED * float(np.max(planned["nav.drag_m_s2"]))
     return {
         "rms_altitude_error_km": rms(altitude),
@@ -142,7 +144,7 @@ def downrange_m(flight: Flight) -> np.ndarray:
 
 
 def _estimate_error(flight: Flight) -> float:
-    """Largest error of the settled disturbance estimate, % of the amplitude; NaN without one."""
+    """Largest error of the settled disturbance estimate, % of the amplitude; NaN without a disturbance."""
     rows, guided, d = flight.telemetry, flight.during(LIFT), flight.loaded.truth.point_mass.disturbance
     t, estimate = rows["t_s"][guided], np.radians(rows["guide.path_disturbance_deg_s"][guided])
     true = d.amplitude_rad_s * np.sin(d.frequency_rad_s * t)
@@ -230,7 +232,8 @@ STEP_S, LENGTH_S = 1e-3, 120.0
 
 
 def settled_s(start: float, gains: tuple[float, float], exponent: float, share: float) -> float:
-    """Time at which the error (m/s2), from ``start`` at rest, stays below ``share`` of it.
+    """Time (s) from which the error (m/s2), which starts at ``start`` at rest, stays below ``share`` of
+    ``start``.
 
     x_1' = x_2, x_2' = -k_1 |x_1|^alpha_1 sign(x_1) - k_2 |x_2|^alpha_2 sign(x_2), alpha_2 = 2 alpha_1/(1 +
     alpha_1), is zero after a finite time (lemma 2 and theorem 2); with both powers one, ``exponent`` 1, it is

@@ -1,11 +1,11 @@
 """Zheng & Cui 2015, section 5: 500 dispersed point-mass entries under the sliding-mode law with disturbance
-observer, as printed, and with what the print leaves open or contradicts.
+observer, as printed, and in variants where the paper leaves something open or contradicts itself.
 
 The bank profile of the reference trajectory is not printed (see scenarios/zheng2015.yaml), nor the datum of
-its altitudes; the reference radius of the density, 3394.5 km, is the only radius printed beside that of the
-entry, and heights here are above it.  With the printed density 0.2 Earth g is met at 44.3 s in place of
-42 s, whatever the bank profile, and no three-segment profile ends above 7.5 km.  Raised by 3 km, the
-density meets 42 s, and a profile that ends range control at 136 s ends at 9.8 km.
+its altitudes; the reference radius of the density, 3394.5 km, is the only radius printed apart from that of
+the entry, and heights here are above it.  With the printed density 0.2 Earth g is met at 44.3 s in place of
+42 s, whatever the bank profile, and no three-segment profile ends above 7.5 km.  Raised by 3 km, the density
+meets 42 s, and a profile that ends range control at 136 s ends at 9.8 km.
 
 Table 1 gives means and 3-sigma errors of the entry state.  Of the density the text has a "maximum dispersion
 of 20 %", Gaussian: as printed that is one factor for each flight.  Section 3.2 and section 5 have a reference
@@ -55,8 +55,8 @@ DEAD_BAND = {f"{ENTRY}.reversal.crossrange_corridor.c0_m": 3500.0}
 
 
 class Experiment(NamedTuple):
-    """Dispersed entries: changes of the scenario, dispersed density ``factor`` or not, and the height (m)
-    over which the density error of one flight is correlated, if there is one.
+    """Dispersed entries: changes of the scenario, whether a density ``factor`` is dispersed, and the height
+    (m) over which the density error of one flight is correlated, if there is one.
     """
 
     name: str
@@ -88,7 +88,7 @@ EXPERIMENTS = (AS_PRINTED, UNDISPERSED, THICK, INFERRED, *PROFILES, FLOWN)
 #: Printed, of 500 flights: shares (%) within 3 and 5 km, RMS miss (km), and the middle (km) of the band of
 #: 0.1 km that has most of the terminal altitudes; and half of that band.
 SHARE_3, SHARE_5, RMS, ALTITUDE, BAND_KM = 79.2, 98.2, 2.47, 9.75, 0.05
-#: Differences at which a value is reproduced: of a statistic beside two of its sampling errors, of heights,
+#: Differences at which a value is reproduced: of a statistic (rms with two sampling errors), of heights,
 #: and of times; and the flights from which a statistic is compared.
 STATISTIC, HEIGHT, TIME, ENOUGH = 0.1, 0.05, 0.02, 200
 #: Virtual state (m/s3) below which saturation counts as over, and for how long (s) it must stay there.
@@ -111,7 +111,7 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the same entries in every experiment, and one of them in full."""
+    """Fly the same entries in every experiment, and one of them again with its telemetry."""
     cases = all_cases(session.flights)
     session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)
@@ -175,7 +175,7 @@ def range_control(flight: Flight) -> np.ndarray:
 def history(flight: Flight) -> dict[str, np.ndarray]:
     """Curves of one flight in range control, the true lumped disturbance among them.
 
-    That is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n as known on board.
+    It is D'' - b_n cos(bank) with D'' by finite differences of the flown drag and b_n as known on board.
     """
     rows, control = flight.telemetry, range_control(flight)
     drag, authority = rows["nav.drag_m_s2"], drag_dynamics_of(flight, rows)[:, 1]
@@ -221,7 +221,7 @@ def _grid(rows: list[Row]) -> Grid:
 def _against_the_print(
     experiment: Experiment, rows: list[Row], dispersed: str, thin: str
 ) -> Iterator[Finding]:
-    """One experiment; ``dispersed`` and ``thin``: why the spreads and the levels are not met."""
+    """Compare an experiment with the paper; ``dispersed``, ``thin``: why spreads and levels do not agree."""
     name, own = experiment.name, pick(rows, experiment=experiment.name)
     miss, altitude = _km(own, "miss"), _km(own, "altitude")
     middle, flights = float(np.median(altitude)), len(own)
@@ -242,8 +242,8 @@ def _against_the_print(
 
 
 def tolerance(runs: int, sampling: float) -> float | None:
-    """Relative difference at which a statistic is reproduced, its relative sampling error ``sampling`` over
-    the root of ``runs``; ``None`` for too few flights.
+    """Relative difference within which a statistic counts as reproduced; its relative sampling error is
+    ``sampling`` over the root of ``runs``; ``None`` for too few flights.
     """
     return float(np.hypot(STATISTIC, 2.0 * sampling / sqrt(runs))) if runs >= ENOUGH else None
 
@@ -252,7 +252,7 @@ def tolerance(runs: int, sampling: float) -> float | None:
 
 
 def _tracking(shown: Flight, printed: list[Row]) -> Iterator[Finding]:
-    """One of the dispersed flights as printed, and the worst of them."""
+    """Tracking of one dispersed flight as printed, and of the worst flight."""
     one, curves = figures(shown), history(shown)
     calm = slice(int(np.searchsorted(curves["t_s"], one["saturation_end_s"])), -2)
     true, off = curves["disturbance"][calm], (curves["estimate"] - curves["disturbance"])[calm]

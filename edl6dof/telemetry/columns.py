@@ -60,7 +60,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         return Telemetry(self._log[start:stop], *self._names)
 
     def beside(self, t: float) -> Telemetry:
-        """The rows before and after time ``t`` (s), or the nearest two; one of a log with no more."""
+        """The rows before and after time ``t`` (s), or the nearest two; one row if the log has only one."""
         times = self["t_s"]
         after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
         return self.rows(after - 1, after + 1)
@@ -75,26 +75,26 @@ class Telemetry(Mapping[str, np.ndarray]):
         return (table[:, 0] + share * (table[:, 1] - table[:, 0])).tolist()
 
     def length_at(self, t: float, *names: str) -> float:
-        """Length of the vector of some channels at time ``t`` (s), as :meth:`at` gives them."""
+        """Length of the vector of some channels at time ``t`` (s), interpolated as by :meth:`at`."""
         return float(lengths(np.array(self.at(t, *names))))
 
     def largest(self, *names: str) -> float:
-        """Largest magnitude of some channels of one unit over all rows, which are not none."""
+        """Largest magnitude of some channels of one unit over all rows, of which there must be one."""
         return float(np.max([np.max(np.abs(self[name])) for name in names]))
 
     def longest(self, *names: str) -> float:
-        """Largest length over all rows of the vector of some channels of one unit, squared in SI."""
+        """Largest length over all rows of the vector of some channels of one unit, computed in SI units."""
         columns, from_si = self._si(names)
         return float(np.max(lengths(np.stack(columns, axis=-1)))) * from_si[0]
 
     def nearest(self, place: Sequence[str], other: Sequence[str]) -> float:
-        """Least distance (m) of two places, given by their channels, over all rows; ``nan`` of none."""
+        """Least distance (m) of two places, given by their channels, over all rows; ``nan`` without rows."""
         steps = [self[one] - self[two] for one, two in zip(place, other, strict=True)]
         return float(np.fmin.reduce(lengths(np.stack(steps, axis=-1)), initial=nan))
 
     def fastest_swing(self, rate: str, roll: str, angle: str) -> float:
-        """Largest magnitude over all rows of a rate without its part that is banking about the velocity, by
-        the channels of the rate, of the roll rate, and of an angle; ``nan`` of no rows.
+        """Largest magnitude over all rows of a body rate less the part due to banking about the velocity,
+        from the channels of the rate, of the roll rate, and of an angle; ``nan`` without rows.
 
         A bank at rate p about the velocity at angle of attack alpha shows as a yaw rate p tan(alpha) in the
         body (sideslip: in pitch); S1 counts the rates of the angle-of-attack and sideslip channels.
@@ -118,7 +118,9 @@ class Telemetry(Mapping[str, np.ndarray]):
 
 
 class _Slot(NamedTuple):
-    """Columns for each thruster, beam or branch: affixes of names, field of the log, owner, meaning."""
+    """Columns for each thruster (``owner`` 0), beam (1) or branch (2): prefix and suffix of the column's
+    name, field of the log, and meaning.
+    """
 
     prefix: str
     suffix: str
@@ -131,13 +133,13 @@ _STATES = ", ".join(f"{number} {kind.replace('_', ' ')}" for number, kind in enu
 _SLOTS = (
     _Slot("rcs", "", "duty", 0, "mean thrust fraction of thruster {} over the last integration step"),
     _Slot("fault", "", "fault", 0, f"true state of thruster {{}}: 0 works, {_STATES}"),
-    _Slot("valve", "", "valve", 0, "whether thruster {} is commanded to fire in the present control cycle"),
-    _Slot("range", "_m", "range", 1, "range that radar beam {} read last; 0 without an echo"),
+    _Slot("valve", "", "valve", 0, "1 if thruster {} is commanded to fire in this control cycle, else 0"),
+    _Slot("range", "_m", "range", 1, "last range measured by radar beam {}; 0 without an echo"),
     _Slot("used", "_kg", "used", 2, "propellant that went through branch {} since the start"),
     _Slot("metered", "_kg", "metered", 2,
-          "what the flow meter of branch {} has counted of it; 0 without a meter"),
+          "propellant counted by the flow meter of branch {} since the start; 0 without a meter"),
     _Slot("expected", "_kg_s", "expected", 2,
-          "flow through branch {} that commands call for, mean of a control cycle"),
+          "flow through branch {} expected from the commands, mean of a control cycle"),
 )  # fmt: skip
 
 
@@ -157,10 +159,10 @@ def range_of(beam: str) -> str:
 
 
 def describe(name: str) -> tuple[str, str]:
-    """Unit and meaning of a telemetry column.
+    """Return unit and meaning of a telemetry column.
 
     Raises:
-        UnknownName: there is none of this name.
+        UnknownName: there is no column of this name.
     """
     if name == "t_s":
         return "s", "time since the initial state"
@@ -179,14 +181,14 @@ _BY_NAME = {channel.name: channel for channel in CHANNELS}
 
 
 def _places(channels: Iterable[Channel]) -> dict[str, tuple[str, str, float]]:
-    """Group and field in the log record, and factor to the unit, of every column not of a thruster."""
+    """Group and field in the log record, and factor to the unit, of each channel."""
     return {
         "t_s": ("t", "", 1.0),
         **{channel.name: (channel.group, channel.field, channel.from_si) for channel in channels},
     }
 
 
-# looked up many times for every flight
+# computed once, because every access of a column reads them
 _PLACES, _BRIEF_PLACES = _places(CHANNELS), _places(BRIEF_CHANNELS)
 
 IN_USE, SATURATED, EXCLUDED = "in use", "saturated", "excluded"
@@ -194,7 +196,8 @@ NO_ECHO, USED, NOT_USED = "no echo", "used", "locked, not used"
 #: States of an inertial instrument, and of a radar beam, from telemetry that has a bit of a number for each.
 INERTIAL_STATES, BEAM_STATES = (IN_USE, SATURATED, EXCLUDED), (NO_ECHO, USED, NOT_USED, EXCLUDED)
 
-#: Channels of the kinds of instruments: those that are not excluded, and those that are saturated, or used.
+#: Channels (bit masks) of each kind of instrument: those that are not excluded, and those that are saturated
+#: or, of beams, used.
 CHANNELS_OF: dict[Component, tuple[str, str]] = {
     "gyro": ("nav.gyros_in_use", "sensed.gyros_saturated"),
     "accelerometer": ("nav.accelerometers_in_use", "sensed.accelerometers_saturated"),

@@ -13,27 +13,27 @@ from edl6dof.spatial import arrays
 class LandingMap(NamedTuple):
     """The map of hazard detection and the choice made on it.
 
-    Places are metres east and north of the landing site as the flight computer took them: off the ground by
-    the error of navigation then (channels ``nav.error_...``).  Rows run north, columns east; a cell that was
-    not seen has ``nan``.
+    Places are metres east and north of the landing site in navigated coordinates, which contain the
+    navigation error at that time (channels ``nav.error_...``).  Rows run north, columns east; a cell that
+    was not seen has ``nan``.
     """
 
     cell_m: np.ndarray  # side of a cell
     corner_m: np.ndarray  # south-west corner of the map, east and north, shape (2,)
-    elevation_m: np.ndarray  # mean elevation above the ground below the hover, as navigated, shape (n, n)
-    slope_deg: np.ndarray  # of the plane of the footprint around each cell; nan where not all of it is known
-    roughness_m: np.ndarray  # largest distance of a cell of the footprint from that plane, nan as the slope
+    elevation_m: np.ndarray  # navigated mean elevation above the ground below the hover, shape (n, n)
+    slope_deg: np.ndarray  # slope of the footprint around each cell; nan if not all of the footprint is known
+    roughness_m: np.ndarray  # largest distance of a cell from the plane of the footprint, nan as the slope
     cell_class: np.ndarray  # index in CELL_CLASSES: safe, edge (not all known), slope, rock
-    probability: np.ndarray  # that slope and roughness keep their limits; an upper bound where they do not
+    probability: np.ndarray  # that slope and roughness are within limits; an upper bound where they are not
     clearance_m: np.ndarray  # distance from the nearest cell that is not safe
     hover_m: np.ndarray  # where the scan began: east, north, and height above the map's level, shape (3,)
     spot_m: np.ndarray  # spot that was chosen, east and north, shape (2,)
-    found: np.ndarray  # true if it is safe, shape ()
+    found: np.ndarray  # true if the chosen spot is safe, shape ()
     rejected_m: np.ndarray  # spots that the search passed over, shape (k, 2)
     rejected_class: np.ndarray  # class of the cell for which each was passed over, shape (k,)
-    drift_m: np.ndarray  # predicted way of backshell and canopy: east, north, height (m), shape (p, 3)
+    drift_m: np.ndarray  # predicted path of backshell and canopy: east, north, height (m), shape (p, 3)
     coarse_m: np.ndarray  # target of each part of the landing image, shape (parts, 2)
-    coarse_obstacles: np.ndarray  # share of obstacles of each, shape (parts,)
+    coarse_obstacles: np.ndarray  # share of obstacles in each part, shape (parts,)
     coarse_part: np.ndarray  # index of the part that was taken, shape ()
 
     def reasons(self) -> list[str]:

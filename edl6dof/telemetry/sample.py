@@ -33,7 +33,7 @@ from edl6dof.vehicle.surroundings import planet_rotation
 @kernel
 def record_errors(plant, outputs, estimate, spin, c, s, nav):
     """Write the errors of the ``estimate`` (``ESTIMATE``) into the group ``nav`` of a row of telemetry;
-    ``spin``: rotation rate of the planet (rad/s), ``c``, ``s``: cosine and sine of its angle.
+    ``spin``: rotation rate of the planet (rad/s), ``c``, ``s``: cosine and sine of its rotation angle.
     """
     y, out = plant.y, outputs
     sl, cl, so, co = out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon
@@ -53,7 +53,7 @@ def record_errors(plant, outputs, estimate, spin, c, s, nav):
 
 @kernel
 def mask(flags):
-    """Flags as one whole number: the sum of 2 to the power of the indices of the set ones."""
+    """Flags as one whole number: the sum of 2 to the power of the index of each flag that is set."""
     total = 0
     for i in range(len(flags)):
         if flags[i] != 0:
@@ -103,7 +103,9 @@ def record_claims(navigation, nav):
 
 @kernel
 def record_brief(case, plant, outputs, fsw, tick):
-    """Write the channels of a ``BRIEF`` row into it or into a ``TICK`` row; return values for the others."""
+    """Write the channels of a ``BRIEF`` row into it or into a ``TICK`` row; return the values that
+    :func:`record` needs for the other channels.
+    """
     y, out, truth, guide, control = plant.y, outputs, tick.truth, tick.guide, tick.control
     tick.t = t = plant.t
     spin = case.planet.rotation_rate
@@ -154,7 +156,7 @@ def record_choice(hazard, point, guide):
 
 @kernel
 def record(case, plant, outputs, sensed, fsw, tick):
-    """Write ``tick`` from the state at ``plant.t``; ``outputs`` are those of it."""
+    """Write ``tick`` from the state at ``plant.t``; ``outputs``: outputs of the plant in this state."""
     c, s, v_rel_I, v_N, airspeed = record_brief(case, plant, outputs, fsw, tick)
     y, out, truth = plant.y, outputs, tick.truth
     q = take_attitude(y)

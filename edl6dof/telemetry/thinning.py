@@ -9,14 +9,15 @@ SHARE, HALVINGS = 1.0 / 4000.0, 6
 
 
 def rows_to_draw(along: np.ndarray, values: np.ndarray, most: int) -> np.ndarray:
-    """Rows (sorted, the first and the last among them) whose straight lines draw columns as all rows do.
+    """Return the rows (sorted, first and last included) that, joined by straight lines, draw the columns as
+    all rows would.
 
     Args:
         along: what the columns are drawn over, rising, shape (n,); the number of the row for a curve in a
             plane.
         values: the columns, shape (n, columns); NaN is a gap.
-        most: more rows than this are cut into stretches, of each of which the ends and the extremes of every
-            column stay: the peaks keep their height and place, and what is lost lies between them.
+        most: if more rows than this remain, they are divided into stretches, of which only the ends and the
+            extremes of every column are kept: peaks keep their height and place.
     """
     rows = bends(along, values)
     if len(rows) > most:
@@ -25,8 +26,8 @@ def rows_to_draw(along: np.ndarray, values: np.ndarray, most: int) -> np.ndarray
 
 
 def bends(along: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Rows between which straight lines pass every other row within ``SHARE`` of the range of its column, and
-    those in which a column is least and greatest.
+    """Return rows whose joining lines miss every other row by at most ``SHARE`` of the range of its column,
+    and the rows in which a column is least and greatest.
 
     Every other row is dropped where a line between its neighbours passes near enough, again and again; the
     errors of these passes add up to no more than the share.

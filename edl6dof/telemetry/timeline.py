@@ -28,7 +28,7 @@ DONE = {
 #: Milestones by action, and of a jettison by the shape of the part; see :func:`milestone`.
 MILESTONES = {"deploy": "mortar", "ignite": "ignition", "cut_off": "cut_off"}
 UNCOVERED = {"capsule": "heat_shield", "backshell": "backshell"}
-#: Milestone of an event that is none, such as the jettison of ballast or the release of a drogue.
+#: Milestone of an event that has no name of its own, such as the jettison of ballast or a drogue's release.
 NO_MILESTONE = ""
 
 #: An event: ``t_s``, ``key``, ``name`` in words, and more, such as ``phase`` and ``role``, ``milestone`` or
@@ -149,7 +149,7 @@ def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, A
     t = one["t_s"]
     i = min(int(np.searchsorted(telemetry["t_s"], t - 1e-9)), len(telemetry["t_s"]) - 1)
     row = {name: telemetry[f"truth.{name}"][i] for name in ("altitude_m", "height_m", "speed_m_s", "mach")}
-    # a flight continued from a saved state has no telemetry of what was before
+    # a flight continued from a saved state has no telemetry of the time before
     known = t >= telemetry["t_s"][0] - 1e-9
     values = {column: float(value) if known and abs(value) < 1e9 else None for column, value in row.items()}
     return {**one, "detail": _in_words(values), **values}

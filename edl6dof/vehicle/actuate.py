@@ -1,4 +1,4 @@
-"""From flight-software commands to valves, engine and pyrotechnics, with the faults between."""
+"""Actuation: commands of the flight software set valves, engines and events; faults act in between."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def actuate(kinds, case, command, plant):
     plant.imagers.camera_trigger, plant.imagers.scan = command.camera_trigger, command.scan
     inflict(kinds, case, command, plant)
     for i in range(vehicle.rcs.n_thrusters):
-        # the latch valve of its branch lies upstream of whatever the thruster's own valve does
+        # a closed latch valve stops the flow, whatever the thruster's own valve does
         if command.latch_closed[case.branches.of[i]] != 0:
             plant.valves.open_time[i] = plant.valves.close_time[i] = plant.t
 
 
 @kernel
 def begin(fault, index, command, plant):
-    """Note when fault ``index`` begins: in the first base cycle at or after its time."""
+    """Store the start of ``fault``, number ``index``, in the first base cycle at or after its time."""
     started = plant.t
     if fault.phase >= 0:
         if command.phase < fault.phase:

@@ -1,9 +1,9 @@
 """Landing gear: footpads on springs and dampers with Coulomb friction, each on a plane of the ground under
-it, and rest; points of the underside meet the ground in the same way.
+it, and rest; points of the underside have the same contact forces.
 
-The planes are laid down for a step; each goes through the ground right under its point, and is kept as its
-altitude below the centre of mass and its rise.  A rocking vehicle stands still for an instant at each end of
-its swing, so rest is judged over a while.
+The planes are set once a step.  Each contains the ground vertically below its point, and is stored as its
+altitude below the centre of mass and its rise per metre north and east.  A rocking vehicle stands still for
+an instant at each end of its swing, so rest needs a time without motion.
 """
 
 from __future__ import annotations
@@ -38,7 +38,9 @@ class LandingGearParams(Hardware):
     stiffness_n_m: float = param(
         60000.0, "spring constant of a leg, or of a point of the underside", status="estimate", gt=0.0
     )
-    damping_n_s_m: float = param(6000.0, "damping of one leg while it is pressed", status="estimate", ge=0.0)
+    damping_n_s_m: float = param(
+        6000.0, "damping of one leg in contact with the ground", status="estimate", ge=0.0
+    )
     friction: float = param(
         0.6,
         "Coulomb friction coefficient of a footpad on the soil",
@@ -47,7 +49,7 @@ class LandingGearParams(Hardware):
         le=2.0,
         usual=(0.05, 1.5, "ice to rough rock"),
     )
-    slip_speed_m_s: float = param(0.05, "speed over which friction builds up (keeps it smooth)", gt=0.0)
+    slip_speed_m_s: float = param(0.05, "slip speed over which friction builds up smoothly", gt=0.0)
 
 
 LANDING_GEAR = dtype_of(LandingGearParams)
@@ -55,8 +57,8 @@ LANDING_GEAR = dtype_of(LandingGearParams)
 
 @kernel
 def leg_force(gear, depth, v_normal, v_slip):
-    """Force of one leg (along the outward normal, friction force per unit slip velocity) at a ``depth`` (m)
-    below the ground and velocities along the normal (outwards) and along the ground (m/s).
+    """Force of one leg along the outward normal (N), and friction over slip velocity (N s/m), at a ``depth``
+    (m) below the ground; ``v_normal`` (outwards) and ``v_slip`` (along the ground) in m/s.
     """
     if depth <= 0.0:
         return 0.0, 0.0
@@ -68,7 +70,7 @@ def leg_force(gear, depth, v_normal, v_slip):
 @kernel
 def contact(gear, point, centre, plane, motion):
     """Ground reaction on a point of the vehicle: force and moment about the origin of B (two tuples), and
-    True if it touches.
+    True if the point touches the ground.
 
     Args:
         gear: landing-gear record.
@@ -109,7 +111,7 @@ def contact_point(gear, k):
 
 
 #: Speed (m/s) over the ground and body rate (rad/s) of a vehicle at rest.  Friction that is smooth in speed
-#: lets one on a slope creep by up to 0.01 m/s.
+#: lets a vehicle on a slope creep by up to 0.01 m/s.
 REST_SPEED, REST_RATE = 0.05, radians(1.0)
 
 
@@ -122,7 +124,7 @@ def ground_speed(spin, y):
 
 @kernel
 def note_motion(case, plant):
-    """Note the time of the present state if the vehicle is not at rest in it."""
+    """Set ``plant.moved_time`` to the present time if the vehicle moves relative to the ground."""
     y = plant.y
     if ground_speed(case.planet.rotation_rate, y) > REST_SPEED or norm(take3(y, RATE)) > REST_RATE:
         plant.moved_time = plant.t
@@ -134,7 +136,7 @@ NEAR = 5.0
 
 @kernel
 def lay_ground_planes(case, tables, plant, outputs, q, rotation, areoid):
-    """Lay the planes of the ground under the points of the landing gear; ``areoid``: rise of its height per
+    """Set the planes of the ground under the points of the landing gear; ``areoid``: rise of the areoid per
     metre towards north and east.
     """
     gear, inputs, out = case.vehicle.landing_gear, plant.inputs, outputs
@@ -169,7 +171,7 @@ def ground_at_offset(case, tables, outputs, north, east):
 
 @kernel
 def normal_of(place, q, rotation, rise_north, rise_east):
-    """Upward normal in B of a plane of the ground with this rise per metre, and the cosine of its slope."""
+    """Upward normal in B of a plane with a given rise per metre, and the cosine of its slope."""
     inverse = 1.0 / sqrt(1.0 + rise_north * rise_north + rise_east * rise_east)
     normal_N = (-rise_north * inverse, -rise_east * inverse, -inverse)
     normal_F = ned_to_fixed(place[0], place[1], place[2], place[3], normal_N)

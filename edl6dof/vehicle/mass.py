@@ -1,8 +1,8 @@
-"""Mass, centre of mass and inertia of what is still attached; the propellant that is left is added by
-:mod:`edl6dof.vehicle.propulsion.feed_system`.
+"""Dry mass, centre of mass and inertia of the lander with the parts still attached; the propellant is added
+by :mod:`edl6dof.vehicle.propulsion.feed_system`.
 
-The file gives the whole entry vehicle, its propellant and the parts that leave it; the dry lander is what
-remains.
+The vehicle file gives the whole entry vehicle, its propellant and the parts that leave it; the dry lander is
+the remainder.
 Composition and decomposition use the parallel-axis theorem, so the parts always add up to the entry vehicle.
 The lander's inertia may be given itself instead of the whole vehicle's.  Stations are in B (origin at the
 nose, x forward).
@@ -21,8 +21,8 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.arrays import product, total
 
-#: What a part shows to the air: nothing, so that the bare lander flies; the whole capsule, heat shield ahead;
-#: the open backshell with the lander inside.
+#: Shape of the vehicle in the flow while a part is attached: none, the bare lander; the whole capsule, heat
+#: shield ahead; the open backshell with the lander inside.
 Shape = Literal["none", "capsule", "backshell"]
 SHAPES: tuple[Shape, ...] = get_args(Shape)
 CONFIG_LANDER, CONFIG_CAPSULE, CONFIG_BACKSHELL = range(len(SHAPES))
@@ -39,19 +39,19 @@ class Body(Hardware):
 class Part(Body):
     """A rigid part that can be jettisoned."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     shape: Shape = param(
-        "none", "what meets the air while this is the first part of the list that shows anything"
+        "none", "shape in the flow while this is the first attached part of the list that has a shape"
     )
     separation_velocity_m_s: Vec3 = param(
         (0.0, 0.0, 0.0),
-        "velocity at which springs part it from the rest, in B",
+        "separation velocity relative to the rest of the vehicle, in B",
         status="estimate",
         usual=(-20, 20, "springs to rockets"),
     )
     drag_area_m2: float = param(
         0.0,
-        "drag area once it falls alone",
+        "drag area of the part after separation",
         status="estimate",
         ge=0.0,
         usual=(0, 200, "parts of such a vehicle"),
@@ -61,7 +61,7 @@ class Part(Body):
 class Tank(Body):
     """The propellant of a tank; the tank itself is a piece of the lander."""
 
-    name: Key = param(REQUIRED, "name that engines and thrusters call it by", record=False)
+    name: Key = param(REQUIRED, "name in draws_from of engines and thrusters", record=False)
     mass_kg: float = param(
         REQUIRED,
         "propellant loaded at entry interface",
@@ -70,7 +70,8 @@ class Tank(Body):
     )
     centre_m: Vec3 = param((0.0, 0.0, 0.0), "centre of mass of the propellant in B")
     inertia_kg_m2: Vec3 = param(
-        (0.0, 0.0, 0.0), "Ixx, Iyy, Izz of the load about its own centre; it shrinks with what is left"
+        (0.0, 0.0, 0.0),
+        "Ixx, Iyy, Izz of the full load about its own centre; in proportion to the propellant left",
     )
 
 
@@ -110,7 +111,7 @@ class MassParams(Hardware):
 
 
 def lander_problem(mass: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...]) -> str:
-    """Why the lander that parts and propellant leave over cannot be; empty for one that can."""
+    """Reason why the lander without parts and propellant is impossible; empty if it is possible."""
     dry, inertia, _ = lander_dry(mass, parts, tanks)
     if dry <= 0.0:
         heavy = f"{mass.entry_kg - dry:.1f} kg together, more than entry_kg {mass.entry_kg:g}"
@@ -162,8 +163,8 @@ def lander_dry(
 def loaded(
     params: MassParams, parts: tuple[Part, ...], tanks: tuple[Tank, ...], attached: tuple[Part, ...]
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with full
-    ``tanks`` and the ``attached`` ones of its ``parts``.
+    """Mass (kg), centre (3, m, B) and inertia tensor about it (3x3, kg m2) of the lander with full ``tanks``
+    and the ``attached`` parts; ``parts``: all that there are.
     """
     mass, tensor, centre = lander_dry(params, parts, tanks)
     bodies = [(mass, np.asarray(centre), tensor)]
@@ -235,7 +236,7 @@ def compose_dry(parts, count, lander, attached, dry):
 
 @kernel
 def shape_of(parts, count, attached):
-    """Shape of the first part still attached that shows one to the air, else ``CONFIG_LANDER``."""
+    """Shape in the flow: that of the first attached part that has one, else ``CONFIG_LANDER``."""
     for i in range(count):
         if attached[i] != 0 and parts[i].shape != CONFIG_LANDER:
             return parts[i].shape
@@ -244,7 +245,7 @@ def shape_of(parts, count, attached):
 
 @kernel
 def compose(case, plant):
-    """Bring mass properties and shape of the plant up to date with the parts that are attached."""
+    """Update dry mass properties and shape of the plant from the parts that are attached."""
     vehicle = case.vehicle
     compose_dry(vehicle.parts, vehicle.n_parts, case.lander, plant.attached, plant.dry)
     plant.shape = shape_of(vehicle.parts, vehicle.n_parts, plant.attached)
@@ -252,7 +253,7 @@ def compose(case, plant):
 
 @kernel
 def showing(parts, count, shape):
-    """Index of the first part that shows ``shape``; -1 where there is none."""
+    """Index of the first part with this ``shape`` in the flow; -1 where there is none."""
     for i in range(count):
         if parts[i].shape == shape:
             return i

@@ -1,5 +1,5 @@
-"""The records of the true vehicle in flight: its state, what follows from it, the integrator's scratch, and
-the largest loads met.
+"""The records of the true vehicle in flight: its state, the quantities that follow from the state, the
+integrator's scratch, and the largest loads.
 
 Kernels call the ``STATE`` record ``plant``, the ``OUTPUTS`` record ``outputs``, the ``WORKSPACE`` ``work``.
 """
@@ -28,16 +28,16 @@ from edl6dof.records import FLAG, TIME_IF_EVER, record, whole
 from edl6dof.vehicle.mass import BODY, SHAPES
 from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 
-#: Modes of a reading: as it should be; always the last one before the fault; at the end of the range without
-#: a flag; none; at the end of the range with its flag; of something else than the ground.
+#: Modes of a reading: correct; stuck at the last one before the fault; at the end of the range without the
+#: flag of saturation; none; at the end of the range with that flag; of something other than the ground.
 WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
 
 #: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, kg/s of a
 #: flow meter.
 READING_FAULT = record(
     ("mode", whole(0, FALSE_LOCK)),
-    ("offset", "f8"),  # added to it; the reading itself at a false lock
-    ("noise", "f8"),  # standard deviation of the noise added to it
+    ("offset", "f8"),  # added to the reading; the reading itself at a false lock
+    ("noise", "f8"),  # standard deviation of the noise added to the reading
 )
 
 #: Commands to camera, lidar and stereo cameras in this cycle.
@@ -85,7 +85,7 @@ def take_attitude(y):
     return y[ATTITUDE], y[ATTITUDE + 1], y[ATTITUDE + 2], y[ATTITUDE + 3]
 
 
-#: The time at which a fault began that has not yet begun.
+#: Value of the time at which a fault began, until it begins.
 NOT_BEGUN = 1e99
 
 VALVES = record(
@@ -95,13 +95,13 @@ VALVES = record(
     ("mean", "f8", (MAX_THRUSTERS,)),  # thrust over steady thrust, mean of the last step
     ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
     ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
-    ("feed_lost", "f8"),  # share of both that the feed of all thrusters lacks
+    ("feed_lost", "f8"),  # share of thrust and flow that all thrusters lose with their feed
     # how each thruster fails, 0 for one that works
     ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
 )
 
-#: What follows from the state, evaluated with the derivatives, in the order in which one follows from the
-#: other: sensors, telemetry and figures read it.
+#: Quantities that follow from the state, evaluated with the derivatives, each after those that it follows
+#: from: sensors, telemetry and figures read them.
 OUTPUTS = record(
     ("sin_lat", "f8"),
     ("cos_lat", "f8"),
@@ -123,14 +123,14 @@ OUTPUTS = record(
     ("mach", "f8"),
     ("dynamic_pressure", "f8"),
     ("heat_flux", "f8"),
-    ("wing_opening", "f8"),  # of the least open surface that was to open
+    ("wing_opening", "f8"),  # smallest of the surfaces commanded to open
     ("aero_force_B", "f8", (3,)),
     ("aero_moment_B", "f8", (3,)),
     ("riser_tension", "f8"),
     ("canopy_acceleration_I", "f8", (3,)),  # without gravitation
-    ("canopy_weight", "f8"),  # share of gravitation that its apparent mass leaves it
+    ("canopy_weight", "f8"),  # factor on gravitation due to its apparent mass
     ("pads", whole(0, MAX_FOOTPADS)),
-    ("load_force_B", "f8", (3,)),  # all but engine and thrusters
+    ("load_force_B", "f8", (3,)),  # of all but engine and thrusters
     ("load_moment_B", "f8", (3,)),
     ("engine_thrust", "f8"),
     ("gravity_I", "f8", (3,)),
@@ -142,7 +142,7 @@ OUTPUTS = record(
     ("height", "f8"),  # above the ground
 )
 
-#: States of a part that has left the vehicle: since this step, at rest on the ground, falling.
+#: States of a part that has left the vehicle: separated in this step, at rest on the ground, falling.
 LOOSE, RESTING, FALLING = 1, 2, 3
 #: A part that has left the vehicle: a point mass with drag.
 DEBRIS = record(
@@ -166,59 +166,59 @@ PEAKS = record(
     ("riser_tension", "f8"),
 )
 
-#: Start of a flight, and what its state has been given since, summed up along it
+#: Start of a flight, and the sums of momentum, energy and mass gained and lost since then
 #: (:mod:`edl6dof.vehicle.motion.balance`).
 BALANCE = record(
     # at the start, t = 0
     ("mass", "f8"),
     ("r_I", "f8", (3,)),
     ("v_I", "f8", (3,)),
-    # since
-    ("velocity", "f8", (3,)),  # m/s, I: by forces and separations
-    ("separations", "f8"),  # m/s: momentum that was missing after them, sum of the magnitudes
-    ("work", "f8"),  # J/kg: by all forces but gravitation, summed up in the same way
+    # since then
+    ("velocity", "f8", (3,)),  # m/s, I: gained by forces and separations
+    ("separations", "f8"),  # m/s: momentum per mass missing after separations, sum of magnitudes
+    ("work", "f8"),  # J/kg: of all forces but gravitation
     ("lost", "f8"),  # kg: propellant used, and parts that have left
 )
 
 #: Inputs of the derivative in addition to time and state, set for a step
-#: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read what the thrusters of the last step did.
+#: (:mod:`edl6dof.vehicle.motion.runge_kutta`); sensors read the thruster loads of the last step.
 INPUTS = record(
     ("middle", "f8"),  # s: time of the middle of the step
     ("rcs_force", "f8", (3,)),  # N, B: mean over the step, in vacuum
     ("rcs_moment", "f8", (3,)),  # N m, B, about its origin
-    ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; none after it
+    ("rcs_force_slope", "f8", (3,)),  # N/s, about the middle of the step; 0 after the step
     ("rcs_moment_slope", "f8", (3,)),  # N m/s
     ("rcs_flow", "f8", (MAX_TANKS,)),  # kg/s, out of each tank: mean over the step
     ("rcs_flow_slope", "f8", (MAX_TANKS,)),  # kg/s2
-    ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: what each engine's thrust strives for, mean over the step
+    ("thrust_goal", "f8", (MAX_ENGINES,)),  # N: goal of each engine's thrust, mean over the step
     (
         "thrust_goal_slope",
         "f8",
         (MAX_ENGINES,),
-    ),  # N/s: what it gains in time, about the middle of the step
+    ),  # N/s: slope of the goal, about the middle of the step
     ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant to give
     ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
-    ("areoid", "f8", (4,)),  # the plane of its height (m) above the ellipsoid: slope (F), constant
+    ("areoid", "f8", (4,)),  # plane of its height (m) above the ellipsoid: slope (F), constant
     ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground
-    ("ground_slope", "f8", (2,)),  # its rise per metre towards north and east
-    # the same of the ground under each point of the landing gear: altitude below the centre of mass, rise
+    ("ground_slope", "f8", (2,)),  # rise of that plane per metre towards north and east
+    # planes under each point of the landing gear: altitude (m) below the centre of mass, rises per metre
     ("footing", "f8", (MAX_CONTACTS, 3)),
 )
 
-#: What changes in flight and does not follow from anything else: what the next step starts from, and all of
-#: the vehicle that a checkpoint holds.
+#: All that changes in flight and does not follow from anything else: the start of the next step, and the part
+#: of a checkpoint that is the vehicle.
 STATE = record(
     ("t", "f8"),
-    ("y", "f8", (STATES,)),  # what is integrated
+    ("y", "f8", (STATES,)),  # integrated state
     ("attached", FLAG, (MAX_PARTS,)),
     ("parachute", whole(0, MAX_PARACHUTES - 1)),  # the one deployed last
-    ("canopy", whole(PACKED, RELEASED)),  # what became of it
+    ("canopy", whole(PACKED, RELEASED)),  # state of that canopy
     ("legs", FLAG),
     ("running", FLAG, (MAX_ENGINES,)),
     ("starting", FLAG),
     ("touched", FLAG),
     ("thrust_command", "f8", (MAX_ENGINES,)),
-    # of a point mass: bank angle at ``bank_time``, where it is going, angle of attack
+    # of a point mass, rad: bank angle at ``bank_time``, commanded bank angle, angle of attack
     ("bank", "f8"),
     ("bank_time", "f8"),
     ("bank_command", "f8"),
@@ -230,31 +230,31 @@ STATE = record(
     ("thrust_held", "f8", (MAX_ENGINES,)),  # level at which a fault holds the throttle, N
     ("thrust_turned", "f8", (MAX_ENGINES, 2)),  # rad: by how much a fault turns it about y and z of B
     ("canopy_lost", "f8", (MAX_PARACHUTES,)),  # share of the drag area that a fault takes away
-    ("leak", "f8", (MAX_TANKS,)),  # kg/s, what a fault lets out of each tank
-    ("blocked", FLAG, (MAX_TANKS,)),  # tanks that a fault shuts off from all that they feed
+    ("leak", "f8", (MAX_TANKS,)),  # kg/s, leak of each tank by a fault
+    ("blocked", FLAG, (MAX_TANKS,)),  # tanks whose feed a fault has shut
     ("phase_seen", "f8", (MAX_FAULTS,)),  # when each fault's phase was entered
     ("fault_since", "f8", (MAX_FAULTS,)),
     ("touchdown_time", TIME_IF_EVER),
-    ("moved_time", "f8"),  # when it was last seen moving relative to the ground
+    ("moved_time", "f8"),  # s: last time at which the vehicle moved over the ground
     ("exhausted_time", TIME_IF_EVER, (MAX_TANKS,)),  # when each tank ran empty
-    ("due", "f8", (MAX_EVENTS,)),  # when each event is to happen
-    ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # when it did
-    ("dry", BODY),  # of the parts that are attached
-    ("shape", whole(0, len(SHAPES) - 1)),  # that they show to the air
+    ("due", "f8", (MAX_EVENTS,)),  # s: when each event is to happen
+    ("done", TIME_IF_EVER, (MAX_EVENTS,)),  # s: when each event happened
+    ("dry", BODY),  # of the lander and the attached parts
+    ("shape", whole(0, len(SHAPES) - 1)),  # shape in the flow
     ("valves", VALVES),
     ("inputs", INPUTS),
     ("velocity_gain", "f8", (3,)),  # integral of the specific force in B, m/s
-    ("separation_gain", "f8", (3,)),  # what the springs of separations and mortars add to it at once
+    ("separation_gain", "f8", (3,)),  # m/s, B: jumps of it by separations and mortars
     ("branch_used", "f8", (MAX_BRANCHES,)),  # kg, propellant that went through each branch
     ("touchdown", "f8", (STATES,)),
     ("debris", DEBRIS, (MAX_PARTS,)),  # by the numbers of the parts
-    ("instruments", INSTRUMENT_FAULTS),  # what faults do to them
+    ("instruments", INSTRUMENT_FAULTS),  # effects of faults on them
     ("balance", BALANCE),
     ("imagers", IMAGER_COMMANDS),  # to landing camera, lidar and stereo cameras
 )
 
-#: Scratch of the integrator: never saved, and nothing in it outlives the step that wrote it but the reason
-#: why that step failed.
+#: Scratch of the integrator: never saved, and not used after the step that wrote it, except to find the
+#: reason why a step failed.
 WORKSPACE = record(
     ("stage", "f8", (STATES,)),  # a stage of the integrator
     ("k", "f8", (4, STATES)),  # derivatives in its stages
@@ -266,7 +266,7 @@ WORKSPACE = record(
     ("branch_used0", "f8", (MAX_BRANCHES,)),
     ("t_failed", "f8"),  # end of a step that failed
     ("thrust", "f8", (MAX_ENGINES,)),  # N: of each engine, mean of the step
-    # what the step adds to the balance, by the same names
+    # contributions of the step to the balance, by the names of ``BALANCE``
     ("velocity", "f8", (3,)),
     ("work", "f8"),
     ("lost", "f8"),

@@ -1,4 +1,4 @@
-"""Planet and air where a body is: one place for the vehicle and for what has left it."""
+"""Planet and air at the place of a body: the vehicle, or a part that has left it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def planet_rotation(planet, t):
 @inlined_kernel
 def surroundings(case, tables, areoid, rotation, r_I):
     """Find place, gas and wind at the point ``r_I`` (m) at the time of ``rotation``
-    (:func:`planet_rotation`); ``areoid``: the plane of ``inputs`` that its height is on.
+    (:func:`planet_rotation`); ``areoid``: plane of the height of the areoid, as in ``inputs``.
 
     Returns:
         place: sine and cosine of geodetic latitude and of longitude, altitude, and height above the areoid
@@ -54,5 +54,5 @@ def noncentral_I(planet, rotation, r_I):
 
 @kernel
 def gravity(field, inputs, r_I):
-    """Gravitation (I, m/s2) at ``r_I`` (m): its central term there, and the rest as held in ``inputs``."""
+    """Gravitation (I, m/s2) at ``r_I`` (m): central term there, noncentral part from ``inputs``."""
     return add(central(field, r_I), take3(inputs.noncentral_I, 0))

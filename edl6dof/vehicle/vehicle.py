@@ -41,27 +41,27 @@ class MeshFileParams(Hardware):
 
     file: str = param(
         REQUIRED,
-        "glTF 2.0 (.glb, or .gltf with all inside) or STL (.stl), relative to the file that names it",
+        "glTF 2.0 (.glb, or self-contained .gltf) or STL (.stl), relative to the file that names it",
         record=False,
         min_length=1,
     )
     part: Key | None = param(
-        None, "part that it shows and leaves with; none: all that is not a part", record=False
+        None, "part that the mesh shows; none: the vehicle without its parts", record=False
     )
     scale: float = param(1.0, "metres per unit of the file", record=False, gt=0.0, le=1e4)
-    origin_m: Vec3 = param((0.0, 0.0, 0.0), "where the origin of the file lies in B", record=False)
+    origin_m: Vec3 = param((0.0, 0.0, 0.0), "position in B of the origin of the file", record=False)
     yaw_pitch_roll_deg: Vec3 = param(
         (0.0, 0.0, 0.0), "turns about z, y, x that carry B into the axes of the file", record=False
     )
 
 
 class VehicleAppearanceParams(Hardware):
-    """Shapes as pictures show them; what is left out follows from mass, aerodynamics and landing gear."""
+    """Shapes in pictures; omitted values follow from mass, aerodynamics and landing gear."""
 
     body: BodyShape = param(
         "derived",
-        "what flies at entry; derived: of aero.model capsule its sphere-cone; else none of a lander that "
-        "nothing covers, a sphere where the moments of inertia are equal, a sphere-cone where two are, a box",
+        "shape at entry; derived: the sphere-cone of aero.model capsule; else none of an uncovered lander, a "
+        "sphere for equal moments of inertia, a sphere-cone for two equal ones, else a box",
         record=False,
     )
     nose_x_m: float = param(0.0, "station of the nose of a sphere-cone in B", record=False)
@@ -86,11 +86,11 @@ class VehicleAppearanceParams(Hardware):
         max_length=20,
     )
     size_m: Vec3 | None = param(
-        None, "sides of a box along x, y, z; none: of one solid of the vehicle's inertia", record=False
+        None, "sides of a box along x, y, z; none: those of a solid with the vehicle's inertia", record=False
     )
     lander: LanderKind = param(
         "derived",
-        "what comes out of the aeroshell; derived: legs where there are footpads, else a platform where "
+        "lander inside the aeroshell; derived: legs where there are footpads, else a platform where "
         "there are engines, else none",
         record=False,
     )
@@ -99,7 +99,7 @@ class VehicleAppearanceParams(Hardware):
     )
 
 
-#: What a vehicle says itself of each aerodynamic model or shape that it flies.
+#: Parameters that a vehicle must state for each aerodynamic model or shape that it flies.
 STATED = {
     "capsule": ("diameter_m", "nose_radius_m"),
     "constant": ("reference_area_m2", "drag_coefficient"),
@@ -108,7 +108,7 @@ STATED = {
     "backshell": tuple(BluffParams.model_fields),
     "lander": tuple(BluffParams.model_fields),
 }
-#: Share by which the thrust of an engine of thrusters may differ from theirs, which disperse.
+#: Largest relative difference of an engine's thrust and the sum of its thrusters', which are dispersed.
 _AS_BELIEVED = 0.1
 
 
@@ -127,13 +127,13 @@ class VehicleParams(Hardware):
     name: Title = param(REQUIRED, "name of the vehicle", record=False)
     daveml: list[str] = param(
         None,
-        "DAVE-ML files that give mass and aero; what the YAML states itself goes before them",
+        "DAVE-ML files that give mass and aero; values in the YAML take precedence",
         record=False,
         factory=list,
     )
     daveml_inputs: dict[str, float] = param(
         None,
-        "what those files are given besides the flow, such as deflections: by name, in their units",
+        "inputs of those files other than the flow, such as deflections: values by name, in their units",
         record=False,
         factory=dict,
     )
@@ -252,12 +252,12 @@ class VehicleParams(Hardware):
         return found
 
     def showing(self, shape: str) -> Part | None:
-        """The first part that shows ``shape`` to the air."""
+        """The first part with this ``shape`` in the flow."""
         return next((part for part in self.parts if part.shape == shape), None)
 
     @property
     def own_engines(self) -> list[EngineParams]:
-        """Engines with a nozzle of their own: not the one that is made of thrusters."""
+        """Engines with a nozzle of their own, without an engine that is made of thrusters."""
         return [engine for engine in self.engines if engine.model != THRUSTER_SET.name]
 
     @property
@@ -267,7 +267,7 @@ class VehicleParams(Hardware):
 
 
 def carriers(vehicle: VehicleParams) -> list[int]:
-    """Index of the part that each surface goes with; -1 where it stays."""
+    """Index of the part that each surface leaves with; -1 where it stays on the vehicle."""
     index = {None: -1} | {part.name: number for number, part in enumerate(vehicle.parts)}
     return [index[surface.carried_by] for surface in vehicle.surfaces]
 

@@ -24,7 +24,7 @@ TRIM_DEG = 11.0
 
 
 class Published:
-    """CA, CN, Cm of one Mach number against alpha (deg)."""
+    """CA, CN and Cm at one Mach number over alpha (deg)."""
 
     def __init__(self, mach: float) -> None:
         rows = np.genfromtxt(_TABLE, delimiter=",", skip_header=3)
@@ -63,7 +63,7 @@ _CAPSULE = (
 def _scene(mach: float, density: float, extra: tuple[str, ...] = ()) -> tuple[str, ...]:
     """Overrides for a capsule at one Mach number that trims at alpha = -11 deg.
 
-    The vehicle weighs a million tonnes with the inertia of the real one: it turns like the capsule and
+    The vehicle weighs a million tonnes with the inertia of the real capsule: it turns like the capsule and
     neither slows down nor turns its path, so the linearised pitch equation alone governs it.
     """
     sound = sqrt(HEAT_CAPACITY_RATIO * 191.0 * 214.0)
@@ -158,7 +158,7 @@ _G = _MU / _R**2
 
 
 def _glide(table: Published) -> tuple[str, ...]:
-    """Overrides for a glide that begins at 80 % of circular energy with lift equal to what it must carry."""
+    """Overrides for a glide from 80 % of circular energy, with lift equal to the weight to be carried."""
     speed2 = _START * _G * _R
     short = 4.0 * _SCALE / (_R * table.lift_to_drag**2 * _START)
     weight = _MASS * _G * (1.0 - _START) * (1.0 - short)

@@ -1,5 +1,5 @@
-"""Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a state of
-one's own, what is measured in them, and comparisons.
+"""Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a given
+state, measurements in them, and comparisons.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Result:
         quantity: what is compared.
         verifies: the model or method that the comparison proves.
         source: where the expected value comes from, independent of the simulator.
-        why: why the tolerance is what it is.
+        why: reason for the size of the tolerance.
     """
 
     quantity: str
@@ -101,7 +101,7 @@ class Report:
 
     Attributes:
         note: why the case was skipped or broke; empty otherwise.
-        skipped: True if it cannot run on this installation, which fails nothing.
+        skipped: True if the case cannot run on this installation, which does not count as a failure.
     """
 
     results: Sequence[Result] = ()
@@ -117,7 +117,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """True if every comparison is within its tolerance; a case without any has proved nothing."""
+        """True if every comparison is within its tolerance; a case without comparisons has not passed."""
         return self.skipped or (bool(self.results) and all(result.passed for result in self.results))
 
     def as_dict(self) -> dict[str, Any]:
@@ -131,12 +131,12 @@ class Report:
 
 
 def largest(values: Any) -> float:
-    """Largest size of some numbers."""
+    """Largest magnitude of some numbers."""
     return float(np.max(np.abs(values)))
 
 
 def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
-    """Overrides: a mission that does nothing but some events (action, component, flight time in s)."""
+    """Overrides for a mission that has events only, each (action, component, flight time in s)."""
     rows = (
         f"{{name: event_{k}, action: {action}, component: {component}, "
         f"when: {{quantity: time_s, crosses: above, value: {t - 1e-6!r}}}}}"
@@ -147,7 +147,7 @@ def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
 
 
 def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scenario, LoadedScenario]:
-    """The scenario of expected values, and the one to fly: the same but for ``planted`` errors."""
+    """The scenario of expected values, and the one to fly, which differs by the ``planted`` errors."""
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
@@ -160,10 +160,10 @@ def flown(
 
 
 def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "time limit") -> Flight:
-    """Fly, from a state if one is given, to the named end.
+    """Fly, from ``start`` if it is given, to the end called ``ends``.
 
     Raises:
-        RuntimeError: the flight ended otherwise, so that it proves nothing.
+        RuntimeError: the flight ended otherwise, so that the case proves nothing.
     """
     flight = fly(loaded, start=start)
     if OUTCOMES[flight.code] != ends:
@@ -188,8 +188,8 @@ def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.nda
 
 
 def fit(t: np.ndarray, y: np.ndarray, guess: complex) -> tuple[complex, float]:
-    """The eigenvalue sigma + i omega and the middle of a free oscillation; the guess is good to a tenth of a
-    cycle over the record.
+    """Fit a free oscillation: its eigenvalue sigma + i omega (1/s) and its middle.  The guess of the
+    eigenvalue must be good to a tenth of a cycle over the record.
     """
     size = float(np.ptp(y))
 

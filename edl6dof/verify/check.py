@@ -1,4 +1,4 @@
-"""All check cases, and how one is run: a case that breaks fails and the others go on."""
+"""All check cases, and how one is run: a case that raises an error fails, and the others still run."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ CASES: dict[str, Callable[..., Report]] = {
 
 
 def run_case(name: str) -> Report:
-    """Run one case by name; one that lacks its reference data is skipped, and one that breaks has failed."""
+    """Run a case by name; without reference data it is skipped, and if it raises an error it has failed."""
     begin = time.perf_counter()
     try:
         report = CASES[name]()

@@ -1,8 +1,8 @@
 """Golden flights: what every shipped scenario, and 20 cases of a campaign, give bit for bit on any machine.
 
-Kept are a hash of each part of the records that a flight reads, of each telemetry channel and of each figure,
-and the values of some channels at a few times.  ``edl6dof verify --golden`` flies them again; ``python
-tools/golden.py`` writes them again after a change that moves bits.
+Stored are a hash of each part of the records that a flight reads, of each telemetry channel and of each
+figure, and the values of some channels at a few times.  ``edl6dof verify --golden`` flies them again;
+``python tools/golden.py`` writes them again after a change that moves bits.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from edl6dof.telemetry.channels import BRIEF_CHANNELS
 
 FOLDER = Path(__file__).resolve().parents[1] / "data" / "golden"
 CAMPAIGN, CASES = "tianwen1_mc", 20
-#: Rows of a flight whose values are kept.
+#: Rows of a flight whose values are stored.
 _SAMPLES = 25
 _SAMPLED = ("t_s", *(channel.name for channel in BRIEF_CHANNELS))
 _RECORD = np.dtype([(name, "f8") for name in _SAMPLED])
 
 
 class Trace(NamedTuple):
-    """Results of a flight or a campaign, as they are kept.
+    """Stored results of a flight or a campaign.
 
     Attributes:
         hashes: of records, channels and figures, by name, in the order in which they are made.
@@ -45,8 +45,8 @@ class Trace(NamedTuple):
 
 
 def golden_names() -> list[str]:
-    """Names of the golden flights, and of the campaign; a campaign file flies as its scenario does, and a
-    scenario with a plugin as its plugin declares.
+    """Names of the golden flights (all shipped scenarios but campaign files and those with plugins), and of
+    the campaign.
     """
     names = shipped_names("scenarios")
     return [name for name in names if not name.endswith("_mc") and not name.startswith("plugin/")] + [
@@ -88,14 +88,14 @@ def _first_sample(golden: np.ndarray, found: np.ndarray) -> tuple[int, str] | No
 
 
 def read_golden() -> dict[str, Trace]:
-    """The golden flights as they are kept."""
+    """The stored golden traces by name."""
     hashes = json.loads((FOLDER / "hashes.json").read_text(encoding="utf-8"))
     with np.load(FOLDER / "samples.npz", allow_pickle=False) as samples:
         return {name: Trace(found, samples[name]) for name, found in hashes.items()}
 
 
 def write_golden(traces: Mapping[str, Trace]) -> None:
-    """Keep flights as golden ones."""
+    """Store traces as the golden ones."""
     FOLDER.mkdir(exist_ok=True)
     hashes = {name: trace.hashes for name, trace in traces.items()}
     (FOLDER / "hashes.json").write_text(json.dumps(hashes, indent=0) + "\n", encoding="utf-8")
@@ -120,7 +120,7 @@ def _flight(name: str) -> Trace:
     telemetry, rows = flight.telemetry, len(flight.telemetry["t_s"])
     for channel, values in telemetry.items():
         hashes[channel] = _digest(np.ascontiguousarray(values, dtype=float).tobytes())
-    hashes |= {f"figure {key}": float(value).hex() for key, value in flight.metrics.items()}
+    hashes |= {f"figure {key}": float(value).hex() for key, value in flight.figures.items()}
     hashes["outcome"] = flight.outcome
     kept = np.linspace(0, rows - 1, min(_SAMPLES, rows)).astype(int)
     samples = np.zeros(len(kept), _RECORD)

@@ -40,7 +40,7 @@ _PARTINGS = (
 
 
 def _vehicle(plant: np.void, tanks: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Position, velocity and spin in I of the vehicle with what is left in ``count`` ``tanks``."""
+    """Position, velocity and spin (angular momentum) in I of the vehicle with the propellant left."""
     y = plant["y"]
     i = with_propellant(plant["dry"], tanks, count, y)[2]
     inertia = np.array([[i[0], i[3], i[4]], [i[3], i[1], i[5]], [i[4], i[5], i[2]]])
@@ -51,7 +51,7 @@ def _vehicle(plant: np.void, tanks: np.ndarray, count: int) -> tuple[np.ndarray,
 def _sums(
     bodies: list[tuple[float, np.ndarray, np.ndarray]], spin: np.ndarray, origin: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Mass moment, momentum and angular momentum about ``origin``."""
+    """Mass moment, momentum and angular momentum of all bodies about ``origin``; ``spin``: their own spin."""
     nothing = np.zeros(3)
     return (
         sum((m * (r - origin) for m, r, _ in bodies), nothing),
@@ -61,8 +61,8 @@ def _sums(
 
 
 def _balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds: float) -> float:
-    """Largest change of the three sums over the impulse that parts the bodies; angular momentum and mass
-    moment per metre and second.
+    """Largest change of the three sums, divided by the impulse that parts the bodies; angular momentum per
+    metre, mass moment per second.
     """
     before, after = start.plant[0], flight.plant[0]
     index = [one.name for one in nominal.vehicle.parts].index(part)

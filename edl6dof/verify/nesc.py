@@ -5,9 +5,9 @@ simulation 04 of the NESC study, row by row in cases 1, 2, 6 and 9, at the end (
 tolerance: set before the comparison, 0.01 ft, 0.001 ft/s, 1e-4 deg/s, 1e-3 deg, 1e-6 deg of latitude and
 longitude.
 
-They lie far above the differences found (the largest, 0.004 ft in case 9, comes from 1e-6 in the constants of
-US76) and far below any mistake in a model.  In case 3 simulation 04 and this one damp the inertial body rate;
-05 and 06 damp the rate relative to the air, which makes 0.03 deg at 30 s.
+The tolerances lie far above the differences found (the largest, 0.004 ft in case 9, comes from 1e-6 in the
+constants of US76) and far below any mistake in a model.  In case 3 simulation 04 and this simulator damp the
+inertial body rate; 05 and 06 damp the rate relative to the air, which makes 0.03 deg at 30 s.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Columns = Mapping[str, np.ndarray]
 
 
 class Tolerance(NamedTuple):
-    """A quantity, the beginning of its columns' names, and the largest difference allowed."""
+    """A quantity, the beginning of the names of its columns, and the largest difference allowed."""
 
     columns: str
     quantity: str
@@ -54,7 +54,7 @@ TOLERANCES = (
 
 
 def flown(number: int, overrides: Iterable[str] = ()) -> Columns:
-    """A case as it is flown here, in the check cases' columns."""
+    """Fly a case; return its telemetry in the columns of the check cases."""
     flight = fly(load_scenario(f"nesc/case{number:02d}", overrides))
     air = build_tables(flight.loaded.truth)[0]["atmosphere"]
     return check_case_table(flight.telemetry, flight.case[0], air)
@@ -77,7 +77,7 @@ def read(path: Path) -> dict[str, np.ndarray]:
 
 
 def differences(own: Columns, other: Columns) -> dict[str, float]:
-    """Largest difference of each quantity over the rows of ``other``; angles on the circle; infinite where a
+    """Largest difference of each quantity over the rows of ``other``; angles modulo a turn; infinite where a
     row is missing.
     """
     place = {round(float(t), 6): i for i, t in enumerate(own["time"])}

@@ -55,7 +55,7 @@ def us76_table(planted: Sequence[str] = ()) -> Report:
 
 
 def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float:
-    """Potential without its central term, m2/s2."""
+    """Potential (m2/s2) at ``p`` (m) without its central term."""
     radius, mu, C, S = read_coefficients("gmm3_degree12_sha.tab")
     r, lon = float(np.linalg.norm(p)), np.arctan2(p[1], p[0])
     if only_j2 is not None:
@@ -72,7 +72,7 @@ def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float
 
 
 def _gradient(p: np.ndarray, degree: int, only_j2: float | None) -> np.ndarray:
-    """Central differences with one Richardson step."""
+    """Gradient of :func:`potential` (m/s2), by central differences with one Richardson step."""
     out = np.zeros(3)
     for axis, e in enumerate(np.eye(3)):
         near, far = (

@@ -38,7 +38,7 @@ class _Worst(defaultdict[str, float]):
         self[name] = max(self[name], error)
 
     def gap(self, name: str, a: Any, b: Any, size: float = 1.0) -> None:
-        """Note the largest difference of two sets of numbers, over their ``size``."""
+        """Note the largest difference of two sets of numbers, divided by ``size``."""
         self.note(name, largest(np.asarray(a) - np.asarray(b)) / size)
 
     def attitude(self, name: str, p: tuple, q: Any) -> None:

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import pickle
 import subprocess
 import sys
 
@@ -12,6 +13,9 @@ import pytest
 import edl6dof
 from edl6dof.api.arguments import texts
 from edl6dof.api.campaign import worst_case
+from edl6dof.metrics.evaluation import Figures
+from edl6dof.report import catalogue
+from edl6dof.report.catalogue import ALL_STACKS, CATALOGUE, STACKS, Stack
 from edl6dof.sim.flight import fly as fly_flight
 
 SHORT = {"simulation.time_limit_s": 20.0, "mission.goal": "time"}
@@ -107,7 +111,7 @@ def test_a_flight_is_told_in_a_line(flight):
 def test_a_flight_is_the_one_of_the_simulator(flight):
     plain = fly_flight(edl6dof.load("tianwen1", SHORT))
     assert flight.log.tobytes() == plain.log.tobytes()
-    assert flight.metrics == plain.metrics
+    assert flight.figures == plain.figures
 
 
 def test_a_channel_that_is_none_is_told_with_the_one_that_was_meant(flight):
@@ -127,6 +131,46 @@ def test_plots_are_pictures(flight, tmp_path):
         flight.plot("truth.mach", since_s=100.0)
     with pytest.raises(edl6dof.ConfigError, match="name a channel"):
         flight.plot()
+
+
+def test_figures_are_items_attributes_and_a_table(flight, folder):
+    for figures in (flight.figures, edl6dof.open_run(folder).figures):
+        assert figures.peak_load_g0 == figures["peak_load_g0"] and "peak_load_g0" in dir(figures)
+        head, *rows = repr(figures).splitlines()
+        assert head.split() == ["figure", "value", "unit", "meaning"] and len(rows) == len(figures)
+        (row,) = [row for row in rows if row.startswith("peak_load_g0 ")]
+        assert row.split() == [
+            *("peak_load_g0", f"{figures.peak_load_g0:.6g}", "g", "peak", "load", "of", "the", "entry")
+        ]
+        with pytest.raises(AttributeError, match="did you mean 'peak_load_g0'"):
+            figures.peak_lod_g0  # noqa: B018
+        with pytest.raises(KeyError, match="did you mean 'peak_load_g0'"):
+            figures["peak_lod_g0"]
+        assert pickle.loads(pickle.dumps(figures)) == figures
+    assert " - " in repr(Figures({"heat_load_j_cm2": None}))
+
+
+def test_plots_of_a_flight_are_those_it_has_data_for(flight, folder):
+    recorded = edl6dof.open_run(folder).plots
+    assert list(flight.plots) == list(recorded)
+    assert {"rates", "overview", "mach"} <= set(dir(recorded)) and "powered" not in recorded
+    assert [line.split()[0] for line in repr(recorded).splitlines()[1:]] == list(recorded)
+    assert len(recorded.rates.figure.axes) == 3, "roll, pitch, yaw"
+    (curve,) = recorded["mach"].figure.axes[0].lines
+    assert curve.get_ydata()[0] == pytest.approx(flight["truth.mach"][0])
+    assert flight.plots.mach._repr_png_() == recorded.mach._repr_png_()
+    with pytest.raises(AttributeError, match="did you mean 'rates'"):
+        recorded.ratse  # noqa: B018
+    with pytest.raises(KeyError, match="no plot 'powered'"):
+        recorded["powered"]
+
+
+def test_every_plot_of_the_catalogue_is_offered_once():
+    shown = {plot.key for stack in ALL_STACKS.values() for plot in stack.plots}
+    assert shown <= {*CATALOGUE, *(one.key for plot in CATALOGUE.values() for one in plot.apart())}
+    declared = {one.key for one in vars(catalogue).values() if isinstance(one, Stack)}
+    declared |= {stack.key for stacks in STACKS.values() for stack in stacks}
+    assert declared - set(ALL_STACKS) == {"nav_velocity"}, "needs rows that its report chooses"
 
 
 def test_notebooks_show_a_flight(flight):
@@ -149,6 +193,18 @@ def test_data_sets_have_units(flight):
     assert data["truth.altitude_m"].attrs["units"] == "m"
 
 
+def test_data_set_of_a_campaign_has_units(result):
+    pytest.importorskip("xarray")
+    data = result.to_xarray()
+    assert dict(data.sizes) == {"case": 6} and list(data["case"]) == list(range(6))
+    assert set(data.data_vars) == {*result.table.column_names} - {"case"}
+    load, mass = data["peak_load_g0"], data["truth.vehicle.mass.entry_kg"]
+    assert load.attrs == {"units": "g", "long_name": "peak load of the entry"}
+    assert mass.attrs == {"units": "kg", "long_name": "mass of the whole vehicle at entry interface"}
+    assert data["truth.vehicle.rcs.thrusters.D1.thrust_n"].attrs["units"] == "N"
+    assert np.array_equal(mass, result["truth.vehicle.mass.entry_kg"])
+
+
 @pytest.mark.parametrize("missing", ["pandas", "xarray"])
 def test_what_is_not_installed_is_named(flight, monkeypatch, missing):
     monkeypatch.setitem(sys.modules, missing, None)
@@ -160,7 +216,7 @@ def test_a_folder_gives_the_flight_back(flight, folder):
     run = edl6dof.open_run(folder)
     assert repr(run) == repr(flight)
     assert (run.outcome, run.success, run.time_s) == (flight.outcome, flight.success, flight.time_s)
-    assert set(run.metrics) == set(flight.metrics)
+    assert set(run.figures) == set(flight.figures)
     assert [event["key"] for event in run.events] == [event["key"] for event in flight.events]
     assert [(c.figure, c.limit, c.ok) for c in run.checks] == [
         (c.figure, c.limit, c.ok) for c in flight.checks
@@ -244,7 +300,7 @@ def test_the_worst_case_is_the_one_with_the_largest_figure_or_the_least_clearanc
 def test_a_case_flies_again_bit_for_bit(result):
     again = edl6dof.refly(result, 3)
     assert again.differences == ()
-    assert again.metrics["peak_load_g0"] == result["peak_load_g0"][3]
+    assert again.figures["peak_load_g0"] == result["peak_load_g0"][3]
     with pytest.raises(edl6dof.ConfigError, match=r"must be 0 \.\. 5"):
         edl6dof.refly(result, 6)
 

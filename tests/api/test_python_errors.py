@@ -53,11 +53,10 @@ def test_what_names_no_scenario_is_a_wrong_type(call):
         call("tianwen11")
 
 
-def test_overrides_of_a_loaded_scenario_are_not_passed_over():
-    loaded = edl6dof.load("tianwen1", SHORT)
+def test_overrides_of_a_scenario_without_its_source_are_refused(simulation):
     for call in (edl6dof.fly, edl6dof.Simulation):
-        with pytest.raises(TypeError, match="give the overrides to edl6dof.load"):
-            call(loaded, {"seed": 3})
+        with pytest.raises(TypeError, match=r"or edl6dof.Scenario \(got <LoadedScenario tianwen1"):
+            call(simulation.loaded, {"seed": 3})
 
 
 @pytest.mark.parametrize(
@@ -85,8 +84,8 @@ def test_bad_input_names_the_argument(call, words):
         (lambda one: one["truth.mac"], KeyError, "did you mean 'truth.mach'"),
         (lambda one: one.unit("truth.mac"), KeyError, "did you mean 'truth.mach'"),
         (lambda one: one.meaning("truth.mac"), KeyError, "did you mean 'truth.mach'"),
-        (lambda one: one.metrics["peak_load_g"], KeyError, "^no figure 'peak_load_g'; .*'peak_load_g0'"),
-        (lambda one: one.metrics["zzz"], KeyError, "^no figure 'zzz'$"),
+        (lambda one: one.figures["peak_load_g"], KeyError, "^no figure 'peak_load_g'; .*'peak_load_g0'"),
+        (lambda one: one.figures["zzz"], KeyError, "^no figure 'zzz'$"),
         (lambda one: one.plot("truth.mac"), edl6dof.ConfigError, "did you mean 'truth.mach'"),
         (lambda one: one.plot(["truth.mach"]), TypeError, "channels are names"),
         (lambda one: one.attitude(99.0), ValueError, "must lie in 0 .. 5 s"),
@@ -145,7 +144,7 @@ def test_one_name_is_observed(simulation):
 
 def test_every_object_is_told_in_a_line(flight, simulation):
     objects = [
-        *(flight, flight.telemetry, edl6dof.open_run(flight.folder), edl6dof.load("tianwen1"), simulation),
+        *(flight, flight.telemetry, edl6dof.open_run(flight.folder), simulation),
         *(
             simulation.state(),
             simulation.linear_plant(),

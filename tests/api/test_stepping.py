@@ -38,7 +38,7 @@ def test_whole_flight_step_by_step_is_the_flight(nominal):
         pass
     stepped = simulation.flight()
     assert same(stepped, nominal)
-    assert (stepped.outcome, stepped.metrics) == (nominal.outcome, nominal.metrics)
+    assert (stepped.outcome, stepped.figures) == (nominal.outcome, nominal.figures)
 
 
 @pytest.mark.parametrize("cycles", [7, 1000])

@@ -134,7 +134,7 @@ def twin(tmp_path_factory):
         "heat_load_j_cm2": 5.0,
     }
     published = {
-        name: {"value": flown.metrics[name], "sigma": deviation} for name, deviation in sigma.items()
+        name: {"value": flown.figures[name], "sigma": deviation} for name, deviation in sigma.items()
     }
     path = tmp_path_factory.mktemp("twin") / "twin.yaml"
     path.write_text(

@@ -42,8 +42,8 @@ def test_rows_are_those_of_single_flights(loaded, table):
     for case in (CASES[2], CASES[5]):
         flight = edl6dof.fly("tianwen1", [*GUSTY, *overrides(case)])
         row = rows[case.index]
-        assert {name: row[name] for name in flight.metrics} == pytest.approx(
-            flight.metrics, rel=0.0, abs=0.0, nan_ok=True
+        assert {name: row[name] for name in flight.figures} == pytest.approx(
+            flight.figures, rel=0.0, abs=0.0, nan_ok=True
         )
         assert (row["outcome"], row["success"], row["rows"]) == (
             flight.outcome,

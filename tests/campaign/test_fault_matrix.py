@@ -68,7 +68,7 @@ def test_moments_are_times_intervals_and_events_of_the_nominal_flight(tianwen1, 
     assert list(found.values()) == sorted(found.values())
     times = [found.pop(f"{k} s") for k in (0, 100, 200, 300, 400, 500)]
     assert times == [0.0, 100.0, 200.0, 300.0, 400.0, 500.0]  # touchdown is before 600 s
-    assert found.pop("129.5 s") == 129.5 and found.pop("mortar") == nominal.metrics["parachute_s"]
+    assert found.pop("129.5 s") == 129.5 and found.pop("mortar") == nominal.figures["parachute_s"]
     reversals = [event["t_s"] for event in nominal.events if event["key"] == "bank_reversal"]
     assert len(reversals) > 1
     assert found == {f"bank_reversal {k}": t for k, t in enumerate(reversals, start=1)}
@@ -218,6 +218,6 @@ def test_row_has_the_bits_of_the_same_fault_flown_alone(here):
     row = Store(Path("m")).table().to_pylist()[1]
     alone = edl6dof.fly("tianwen1", ["faults=[{thruster: F3, kind: stuck_on, at: {time_s: 129.5}}]"])
     assert row["component"] == "F3" and row["outcome"] == alone.outcome and row["end_s"] == alone.time_s
-    assert {name: row[name] for name in alone.metrics} == alone.metrics
+    assert {name: row[name] for name in alone.figures} == alone.figures
     status, out, _ = command("refly", "m", "1", "--no-replay")
     assert status == 0 and "identical to its row" in out

@@ -51,7 +51,7 @@ def made_up(*faults, named=(), begun=None, used=None, excluded=()):
         loaded=SimpleNamespace(truth=truth),
         telemetry=table,
         plant={"fault_since": since[None]},
-        metrics={"touchdown_s": 90.0, "backshell_s": 60.0},
+        figures={"touchdown_s": 90.0, "backshell_s": 60.0},
         time_s=100.0,
         isolated_faults=[SimpleNamespace(thruster=name, kind=kind, t_s=at) for name, kind, at in named],
         exclusions=[SimpleNamespace(component=a, instrument=b, back=False, t_s=at) for a, b, at in excluded],

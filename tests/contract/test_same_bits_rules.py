@@ -36,7 +36,7 @@ ALLOWED = {
     "sim/linear.py": "a linear analysis of a flight, which no flight reads",
     "spatial/rotations.py": "attitudes of pictures",
     "spatial/elementary.py:**": "integers, when the module is imported",
-    "scenario/loaded.py:dist": "a warning; no record holds it",
+    "scenario/unusual.py:dist": "a warning; no record holds it",
     "scenario/entry_range.py": "a warning; no record holds it",
     "vehicle/mass.py:eigvalsh": "the numbers of an error message",
     "vehicle/mass.py:linalg": "the numbers of an error message",

@@ -84,7 +84,7 @@ def test_least_dispersion_misses_by_less_without_guidance(highest):
 def test_planned_loads_and_misses_are_those_of_the_flight(highest):
     """The rigid body's own loads under guidance; and the mean of both signs of a sensitivity."""
     flight = edl6dof.fly("msl", ["sensors.set=perfect"])
-    assert highest.before.load_g0 == pytest.approx(flight.metrics["peak_load_g0"], rel=0.03)
+    assert highest.before.load_g0 == pytest.approx(flight.figures["peak_load_g0"], rel=0.03)
     onboard, start = build_onboard(msl()), start_of(msl())
     thin, dense = onboard.copy(), onboard.copy()
     thin[0]["atmosphere"]["ln_density"] -= np.log(1.0 + 0.2 / 3.0)

@@ -134,7 +134,7 @@ def main(states, first, last):
         try:
             loaded = State.load(path)
             flight = fly(continue_from(loaded), start=loaded)
-            flight.events, flight.metrics  # noqa: B018  formed too
+            flight.events, flight.figures  # noqa: B018  formed too
             print(json.dumps([number, what, "flown", flight.outcome]), flush=True)
         except ConfigError as error:
             print(json.dumps([number, what, "refused", str(error)]), flush=True)

@@ -60,7 +60,7 @@ def aim(onboard):
 
 def landing(flight):
     """Where it landed, north and east of the site, m."""
-    return np.array([flight.metrics[f"landing_{axis}_m"] for axis in ("north", "east")])
+    return np.array([flight.figures[f"landing_{axis}_m"] for axis in ("north", "east")])
 
 
 def at(flight, t, *channels):
@@ -73,7 +73,7 @@ def flown_and_expected(overrides, scenario="tianwen1"):
     flown, and expected from the height and velocity at mortar fire.
     """
     flight = edl6dof.fly(scenario, list(overrides))
-    begin, end = flight.metrics["parachute_s"], flight.metrics.get("backshell_s", flight.time_s)
+    begin, end = flight.figures["parachute_s"], flight.figures.get("backshell_s", flight.time_s)
     altitude, north, east, speed, path = at(
         flight,
         begin,
@@ -174,7 +174,7 @@ def test_calm_air_that_was_expected_lands_near_the_site():
     instruments, whose errors move the miss by half a kilometre.
     """
     flights = [edl6dof.fly("tianwen1", [*CALM, f"seed={seed}"]) for seed in range(1, 6)]
-    assert np.median([flight.metrics["parachute_miss_m"] for flight in flights]) < 1200.0
+    assert np.median([flight.figures["parachute_miss_m"] for flight in flights]) < 1200.0
     assert 100.0 < np.median([np.hypot(*landing(flight)) for flight in flights]) < 1400.0
 
 

@@ -32,7 +32,7 @@ def test_lands_within_limits_and_tracks(flights, name):
     assert all(flight.landed and flight.isolated_faults == [] for flight in flights[name])
     assert sum(flight.success for flight in flights[name]) >= fewest(FLIGHTS, 0.95)
     roll, attitude = (
-        np.array([flight.metrics[f"max_{error}_error_powered_deg"] for flight in flights[name]])
+        np.array([flight.figures[f"max_{error}_error_powered_deg"] for flight in flights[name]])
         for error in ("roll", "attitude")
     )
     if name == "least_squares":
@@ -44,7 +44,7 @@ def test_lands_within_limits_and_tracks(flights, name):
 
 def test_least_squares_uses_no_more_propellant_than_the_table(flights):
     used = {
-        name: np.median([flight.metrics["propellant_used_kg"] for flight in some])
+        name: np.median([flight.figures["propellant_used_kg"] for flight in some])
         for name, some in flights.items()
     }
     assert used["least_squares"] < 1.01 * used["table"]

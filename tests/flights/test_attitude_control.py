@@ -99,15 +99,15 @@ def branched_s(flight):
 def test_a_wing_that_is_not_open_two_seconds_after_its_command_is_a_branch(fault, after_s):
     flight = with_wing_fault(fault)
     if after_s is None:
-        after_s = 250.0 - flight.metrics["trim_wing_s"]
+        after_s = 250.0 - flight.figures["trim_wing_s"]
     assert branched_s(flight) == pytest.approx(after_s, abs=0.03)
     branch, after = (flight.phase_names.index(name) for name in ("alpha_held", "parachute"))
     flown = flight.telemetry["guide.phase"]
     assert list(dict.fromkeys(flown))[1:4] == [branch - 1, branch, after]
     # by the flight computer's own air, which is not that of the day
-    believed = flight.telemetry.at(flight.metrics["parachute_s"], "nav.mach")[0]
+    believed = flight.telemetry.at(flight.figures["parachute_s"], "nav.mach")[0]
     assert believed == pytest.approx(1.8, abs=0.02)
-    assert flight.metrics["parachute_total_alpha_deg"] < 7.0
+    assert flight.figures["parachute_total_alpha_deg"] < 7.0
     assert flight.success, flight.outcome
 
 
@@ -128,15 +128,15 @@ def test_the_branch_counts_as_lift(nominal):
     """Its role is that of the phase it leaves, so the figures of lift reach to the parachute."""
     flight = with_wing_fault(STUCK)
     lift, t = flight.during(LIFT), flight.telemetry["t_s"]
-    assert t[lift][0] == nominal.metrics["lift_start_s"] == flight.metrics["lift_start_s"]
-    assert t[lift][-1] == pytest.approx(flight.metrics["parachute_s"], abs=0.1)
+    assert t[lift][0] == nominal.figures["lift_start_s"] == flight.figures["lift_start_s"]
+    assert t[lift][-1] == pytest.approx(flight.figures["parachute_s"], abs=0.1)
 
 
 @pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3))])
 def test_parachute_opens_below_seven_degrees_although_the_trim_wing_does_not(seed):
     flight = with_wing_fault(STUCK, f"seed={seed}", *PERTURBED, "mission.goal=deployment")
     assert branched_s(flight) == pytest.approx(2.0, abs=0.03)
-    assert flight.metrics["parachute_total_alpha_deg"] < 7.0
+    assert flight.figures["parachute_total_alpha_deg"] < 7.0
     assert flight.success, flight.outcome
 
 
@@ -145,7 +145,7 @@ def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle():
     trim angle.
     """
     flight = with_wing_fault(STUCK, "mission.phases.alpha_held.hold_alpha=false")
-    assert flight.metrics["parachute_total_alpha_deg"] > 8.0
+    assert flight.figures["parachute_total_alpha_deg"] > 8.0
 
 
 @pytest.mark.parametrize(
@@ -154,9 +154,9 @@ def test_without_the_alpha_loop_the_failed_wing_leaves_the_trim_angle():
 def test_a_wing_lost_in_the_last_seconds_delays_the_mortar_until_the_angle_of_attack_is_good(nominal, time_s):
     """The mortar would fire at 279.7 s; from the trim angle of 10 deg the thrusters need 4 s."""
     flight = with_wing_fault(f"{{kind: wing_lost, at: {{time_s: {time_s}}}}}")
-    waited = flight.metrics["parachute_s"] - nominal.metrics["parachute_s"]
+    waited = flight.figures["parachute_s"] - nominal.figures["parachute_s"]
     assert -0.1 < waited < 5.0
-    assert flight.metrics["parachute_total_alpha_deg"] < 5.0
+    assert flight.figures["parachute_total_alpha_deg"] < 5.0
     assert flight.success, flight.outcome
 
 
@@ -178,7 +178,7 @@ def test_the_mortar_fires_at_a_good_angle_of_attack_against_a_thruster_that_is_s
             "mission.goal=deployment",
         ],
     )
-    assert flight.metrics["parachute_total_alpha_deg"] < 5.0
+    assert flight.figures["parachute_total_alpha_deg"] < 5.0
     assert flight.success, flight.outcome
 
 
@@ -193,7 +193,7 @@ def test_an_angle_of_attack_that_is_never_good_does_not_keep_the_parachute_for_e
             "mission.goal=deployment",
         ],
     )
-    assert flight.telemetry.at(flight.metrics["parachute_s"], "nav.mach")[0] == pytest.approx(1.6, abs=0.01)
+    assert flight.telemetry.at(flight.figures["parachute_s"], "nav.mach")[0] == pytest.approx(1.6, abs=0.01)
     assert flight.outcome.startswith("deployed")
 
 
@@ -224,7 +224,7 @@ def test_the_guard_leaves_sound_flights_alone_in_a_wind_that_is_not_expected(nor
     wind = f"wind={{model: constant, constant: {{north_m_s: {north_m_s}, east_m_s: {east_m_s}}}}}"
     flight = edl6dof.fly("tianwen1", [wind, *PERTURBED, "mission.goal=deployment"])
     assert branched_s(flight) is None
-    assert flight.metrics["parachute_total_alpha_deg"] < 4.0
+    assert flight.figures["parachute_total_alpha_deg"] < 4.0
 
 
 @pytest.mark.parametrize(
@@ -241,7 +241,7 @@ def test_a_leak_that_diagnosis_stops_does_not_call_the_guard(thruster, time_s):
         ],
     )
     assert branched_s(flight) is None
-    assert flight.metrics["parachute_total_alpha_deg"] < 4.0
+    assert flight.figures["parachute_total_alpha_deg"] < 4.0
 
 
 @pytest.mark.long  # of the suite: test_repeatable.py
@@ -259,12 +259,12 @@ def test_a_flight_broken_off_on_the_branch_goes_on_with_the_same_bits(tmp_path):
 
 def test_limit_cycle_of_the_trim_phase_stays_within_its_deadband(nominal):
     deadband = nominal.scenario.flight_software.control.phase_plane.deadband_deg
-    assert 0.5 * deadband < nominal.metrics["trim_aoa_limit_cycle_deg"] < 1.05 * deadband < 5.0
-    assert 0.0 < nominal.metrics["trim_aoa_propellant_kg"] < 0.2
+    assert 0.5 * deadband < nominal.figures["trim_aoa_limit_cycle_deg"] < 1.05 * deadband < 5.0
+    assert 0.0 < nominal.figures["trim_aoa_propellant_kg"] < 0.2
 
 
 def test_roll_keeps_within_half_a_degree_in_the_powered_descent(nominal):
-    assert nominal.metrics["max_roll_error_powered_deg"] < 0.5
+    assert nominal.figures["max_roll_error_powered_deg"] < 0.5
 
 
 def under_the_parachute(flight):

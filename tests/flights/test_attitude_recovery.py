@@ -53,7 +53,7 @@ def test_schiaparelli_is_lost_to_its_sensors_alone(unguarded):
     the height on board becomes negative, parachute and backshell go kilometres up, the engines burn for three
     seconds.
     """
-    flight, figures = unguarded, unguarded.metrics
+    flight, figures = unguarded, unguarded.figures
     assert not flight.scenario.faults and flight.outcome.startswith("crashed")
     swing = np.abs(flight.telemetry["truth.rate_r_deg_s"]).max()
     assert swing > flight.scenario.sensors.inertial_unit.gyros.range_deg_s
@@ -75,8 +75,8 @@ def test_schiaparelli_is_lost_to_its_sensors_alone(unguarded):
 def test_each_guard_alone_rescues_it(guard):
     flight = fly(edl6dof.load("schiaparelli", [f"{GUARDS}.{guard}=true"]))
     found = first(flight, "vertical_found")["t_s"]
-    assert found < flight.metrics["backshell_s"]
-    assert flight.metrics["backshell_height_m"] == pytest.approx(1200.0, abs=20.0)
+    assert found < flight.figures["backshell_s"]
+    assert flight.figures["backshell_height_m"] == pytest.approx(1200.0, abs=20.0)
     assert flight.landed
 
 
@@ -90,7 +90,7 @@ def test_to_leave_out_saturated_readings_errs_less_than_to_integrate_the_limit()
                 f"initial.bank_deg={bank}",
             ]
             flight = fly(edl6dof.load("schiaparelli", change))
-            found.append(vertical_error(flight, flight.metrics["parachute_s"] + 20.0))
+            found.append(vertical_error(flight, flight.figures["parachute_s"] + 20.0))
     assert np.median(errors["true"]) < 0.3 * np.median(errors["false"])
 
 
@@ -104,6 +104,6 @@ def test_to_leave_out_saturated_readings_errs_less_than_to_integrate_the_limit()
 def test_nothing_need_be_guarded_where_the_limit_is_not_integrated(unguarded, change):
     """A few degrees at most, of 150 deg where it is integrated: most openings leave 0.3 deg, some 2 deg."""
     flight = fly(edl6dof.load("schiaparelli", [change]))
-    assert vertical_error(unguarded, unguarded.metrics["parachute_s"] + 20.0) > 90.0
-    assert vertical_error(flight, flight.metrics["parachute_s"] + 20.0) < 5.0
+    assert vertical_error(unguarded, unguarded.figures["parachute_s"] + 20.0) > 90.0
+    assert vertical_error(flight, flight.figures["parachute_s"] + 20.0) < 5.0
     assert flight.landed and "guard: height below ground" not in said(flight)

@@ -155,7 +155,7 @@ def test_tail_wind_is_foreseen_as_a_trend_of_the_drag(bank):
     """It takes the more of the drag the slower the flight is: the range to go stays all but in reach."""
     windy = flown("yan2016", "fnpeg", *BANKS[bank], f"truth={steady(90)}")
     assert travel_of(windy) <= MORE * bank_travel("yan2016", "fnpeg", *BANKS[bank])
-    assert abs(windy.metrics["parachute_downrange_m"]) < 1e3
+    assert abs(windy.figures["parachute_downrange_m"]) < 1e3
 
 
 @pytest.mark.parametrize("law", [pytest.param("npc", marks=pytest.mark.long), "fnpeg"])
@@ -164,15 +164,15 @@ def test_unexpected_tail_wind_carries_laws_that_fly_ahead_out_of_reach(law):
     there that hardly helps.
     """
     sets = [f"{ENTRY}.law={law}", "mission.goal=deployment", "simulation.log_every=1", *BANKS["ideal"]]
-    calm = edl6dof.fly("wu2013", sets).metrics["bank_reversals"]
+    calm = edl6dof.fly("wu2013", sets).figures["bank_reversals"]
     flight = edl6dof.fly("wu2013", [*sets, f"truth={steady(0)}"])
     bank = np.abs(flight.telemetry["guide.bank_deg"])
     slow = flight.during(LIFT) & (flight.telemetry["truth.speed_m_s"] < 1000.0)
     largest = flight.scenario.flight_software.guidance.entry.bank_max_deg
     assert np.mean(bank[slow] > largest - 0.5) > 0.3
     assert bank[slow][-1] == pytest.approx(largest)
-    assert flight.metrics["parachute_downrange_m"] > 500.0
-    assert flight.metrics["bank_reversals"] <= calm
+    assert flight.figures["parachute_downrange_m"] > 500.0
+    assert flight.figures["bank_reversals"] <= calm
 
 
 # ---- drag in calm air --------------------------------------------------------------------------------------

@@ -63,7 +63,7 @@ def test_every_flight_ends_with_an_outcome_that_names_its_fault_and_keeps_its_te
 
 def test_lander_whose_throttle_stands_falls_lights_again_and_lands_on_what_it_gives():
     flight = flown("{kind: throttle_stuck, at: {phase: powered_deceleration, plus_s: 20}}")
-    assert flight.success and flight.metrics["touchdown_vertical_m_s"] < 2.0
+    assert flight.success and flight.figures["touchdown_vertical_m_s"] < 2.0
     thrust, height = flight.telemetry["truth.engine_thrust_n"], flight.telemetry["truth.height_m"]
     held = float(flight.plant["thrust_held"][0, 0])
     last = height < 20.0
@@ -167,8 +167,8 @@ def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time
     """
     flight = flown(f"{{kind: riser_torn, at: {{time_s: {time_s}}}}}")
     assert flight.landed, flight.outcome
-    assert flight.metrics["touchdown_vertical_m_s"] < 3.0
-    assert flight.metrics["backshell_height_m"] < 4100.0
+    assert flight.figures["touchdown_vertical_m_s"] < 3.0
+    assert flight.figures["backshell_height_m"] < 4100.0
     assert flight.success or ("at backshell release" in flight.cause and time_s < 410)
     straight_on = flown(
         f"{{kind: riser_torn, at: {{time_s: {time_s}}}}}", sets=["mission.phases.parachute.transitions=[]"]
@@ -183,7 +183,7 @@ def test_engine_with_a_fifth_of_its_thrust_gone_goes_back_to_full_level_and_land
 
 
 def test_sound_flight_keeps_its_parachute_to_the_usual_height(nominal):
-    assert nominal.metrics["backshell_height_m"] == pytest.approx(1231.0, abs=10.0)
+    assert nominal.figures["backshell_height_m"] == pytest.approx(1231.0, abs=10.0)
 
 
 # ---- several faults ----------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ FREE = ["mission.phases=[]", "initial.rate_deg_s=[0, 0, 0]", "initial.alpha_deg=
 
 
 def _impact(step: float) -> np.ndarray:
-    figures = edl6dof.fly("tianwen1", [*FREE, f"simulation.step_s={step}"]).metrics
+    figures = edl6dof.fly("tianwen1", [*FREE, f"simulation.step_s={step}"]).figures
     return np.array([figures["landing_east_m"], figures["landing_north_m"]])
 
 

@@ -17,7 +17,7 @@ def test_stardust_comes_down_at_the_target_under_its_parachutes(stardust):
     assert stardust.termination.success, stardust.termination.outcome
     keys = [event["key"] for event in stardust.events]
     assert [key for key in keys if key in ("drogue", "main", "touchdown")] == ["drogue", "main", "touchdown"]
-    figures = stardust.metrics
+    figures = stardust.figures
     assert figures["landing_distance_m"] < 500.0  # the entry was laid so: no prediction
     # before the flight: Mach 1.4 at the drogue; by reconstruction 32.89 g0 and 4 to 5 m/s at the ground
     assert figures["parachute_mach"] == pytest.approx(1.4, abs=0.08)
@@ -26,7 +26,7 @@ def test_stardust_comes_down_at_the_target_under_its_parachutes(stardust):
 
 
 def test_nothing_changes_the_spin(stardust):
-    entry = stardust.telemetry["t_s"] < stardust.metrics["parachute_s"]
+    entry = stardust.telemetry["t_s"] < stardust.figures["parachute_s"]
     roll = stardust.telemetry["truth.rate_p_deg_s"][entry]
     assert roll[0] == pytest.approx(81.0, abs=1e-4)
     assert roll == pytest.approx(np.full(len(roll), roll[0]), abs=1e-9)
@@ -47,5 +47,5 @@ def test_genesis_without_parachutes_strikes_the_ground():
     flight = edl6dof.fly("genesis")
     assert flight.termination.outcome.startswith("crashed") and not flight.termination.success
     # 86 m/s was flown, tumbling: nose first it is slower, and the scenario says so
-    assert 40.0 < flight.metrics["touchdown_vertical_m_s"] < 60.0
-    assert 25.0 < flight.metrics["peak_load_g0"] < 32.0
+    assert 40.0 < flight.figures["touchdown_vertical_m_s"] < 60.0
+    assert 25.0 < flight.figures["peak_load_g0"] < 32.0

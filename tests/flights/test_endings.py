@@ -15,7 +15,7 @@ def test_vehicle_without_flight_software_crashes_and_says_how_fast():
     assert flight.outcome.startswith("crashed at ")
     assert float(flight.outcome.split()[2]) > 100.0
     # the ground is met at the located time, not at the end of a step
-    assert flight.metrics["touchdown_s"] % 0.01 > 1e-6
+    assert flight.figures["touchdown_s"] % 0.01 > 1e-6
 
 
 def test_shallow_entry_skips_out():

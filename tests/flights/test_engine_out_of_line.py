@@ -25,8 +25,8 @@ def misaligned(request):
 
 def test_lander_with_a_misaligned_engine_comes_down_without_lateral_speed(misaligned):
     assert misaligned.outcome == "landed within limits" and misaligned.isolated_faults == []
-    assert misaligned.metrics["touchdown_horizontal_m_s"] < 0.4
-    assert misaligned.metrics["touchdown_tilt_deg"] < 0.6
+    assert misaligned.figures["touchdown_horizontal_m_s"] < 0.4
+    assert misaligned.figures["touchdown_tilt_deg"] < 0.6
 
 
 def test_estimated_force_is_that_of_the_misaligned_engine(misaligned):
@@ -43,5 +43,5 @@ def test_estimated_force_is_that_of_the_misaligned_engine(misaligned):
 
 def test_thrusters_that_hold_against_the_imbalance_of_the_tank_do_not_tilt_the_lander(nominal):
     """Where force is not asked for beside torque, it leans by 0.28 deg against their lateral force."""
-    assert nominal.metrics["touchdown_tilt_deg"] < 0.2
-    assert nominal.metrics["touchdown_horizontal_m_s"] < 0.1
+    assert nominal.figures["touchdown_tilt_deg"] < 0.2
+    assert nominal.figures["touchdown_horizontal_m_s"] < 0.1

@@ -50,7 +50,7 @@ def test_velocity_gain_is_the_integral_of_the_measured_acceleration(nominal):
 @pytest.mark.parametrize("name", ESTIMATORS.names)
 def test_every_estimator_holds_the_thrust_direction_in_the_hover_and_lands(name):
     flight = edl6dof.fly("tianwen1", [f"flight_software.estimation.estimator={name}"])
-    assert flight.outcome == "landed within limits" and flight.metrics["false_alarms"] == 0.0
+    assert flight.outcome == "landed within limits" and flight.figures["false_alarms"] == 0.0
     there = during(flight, "hover_imaging")
     error = columns(flight, "control.error_pitch_deg", "control.error_yaw_deg")[:, there]
     assert np.max(np.abs(np.mean(error, axis=1))) < 0.3  # the integral part leaves no standing error

@@ -45,10 +45,10 @@ def test_lost_wing_leaves_the_moment_of_the_offset_centre_of_mass_to_the_thruste
     """The wing cancels it in the nominal: about 255 N m at 500 Pa (reference data, section 1.4)."""
     flight = flown("{kind: wing_lost, at: {phase: lift}}")
     assert np.all(flight.telemetry["truth.trim_wing"] == 0.0)
-    assert keys(flight)["trim_wing"] == flight.metrics["trim_wing_s"] and "trim_wing_open" not in keys(flight)
+    assert keys(flight)["trim_wing"] == flight.figures["trim_wing_s"] and "trim_wing_open" not in keys(flight)
 
     def alpha(one):
-        t = one.telemetry["t_s"] - one.metrics["trim_wing_s"]
+        t = one.telemetry["t_s"] - one.figures["trim_wing_s"]
         return np.mean(one.telemetry["truth.alpha_deg"][(t > 3.0) & (t < 10.0)])
 
     assert alpha(flight) < alpha(nominal) - 3.0
@@ -61,7 +61,7 @@ def test_wing_that_fails_after_it_opened_was_open(nominal):
     table, opened = nominal.telemetry, keys(nominal)["trim_wing_open"]
     first = np.argmax(table["truth.trim_wing"] == 1.0)
     assert table["t_s"][first - 1] < opened <= table["t_s"][first]
-    assert keys(nominal)["trim_wing"] == nominal.metrics["trim_wing_s"] < opened
+    assert keys(nominal)["trim_wing"] == nominal.figures["trim_wing_s"] < opened
     late = flown("{kind: wing_lost, at: {time_s: %.1f}}" % (opened + 5.0))
     assert keys(late)["trim_wing_open"] == opened
     stuck = flown("{kind: wing_stuck, wing_stuck: {opening: 0.5}, at: {time_s: 0}}")
@@ -70,8 +70,8 @@ def test_wing_that_fails_after_it_opened_was_open(nominal):
 
 def test_late_parachute_opens_lower_and_slower(nominal):
     flight = flown("{kind: parachute_delay, parachute_delay: {delay_s: 4.0}, at: {time_s: 0}}")
-    assert flight.metrics["parachute_s"] == pytest.approx(nominal.metrics["parachute_s"] + 4.0, abs=0.03)
-    assert flight.metrics["parachute_mach"] < nominal.metrics["parachute_mach"]
+    assert flight.figures["parachute_s"] == pytest.approx(nominal.figures["parachute_s"] + 4.0, abs=0.03)
+    assert flight.figures["parachute_mach"] < nominal.figures["parachute_mach"]
 
 
 def test_engine_shortfall_takes_away_its_share_of_thrust():
@@ -96,7 +96,7 @@ def test_faulty_thruster_is_named_and_the_vehicle_lands(thruster, kind, phase):
     flight = flown(f"{{thruster: {thruster}, kind: {kind}, at: {{phase: {phase}, plus_s: 1}}}}")
     assert flight.outcome == "landed within limits"
     assert [fault.thruster for fault in flight.isolated_faults] == [thruster]
-    assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] > 0.0
+    assert flight.figures["false_alarms"] == 0.0 and flight.figures["time_to_detect_s"] > 0.0
     assert [event["isolated"] for event in flight.events if event["key"] == "diagnosis"] == [
         flight.isolated_faults[0].label
     ]
@@ -119,7 +119,7 @@ def test_stuck_pitch_thruster_is_named_and_not_the_sound_opposite_that_fires_aga
     )
     assert flight.outcome == "landed within limits"
     assert [(fault.thruster, fault.kind) for fault in flight.isolated_faults] == [(thruster, "stuck on")]
-    assert flight.metrics["false_alarms"] == 0.0 and flight.metrics["time_to_detect_s"] < 1.0
+    assert flight.figures["false_alarms"] == 0.0 and flight.figures["time_to_detect_s"] < 1.0
     names, branches = flight.scenario.thruster_names, flight.scenario.vehicle.rcs.branches
     shut = next(branch.thrusters for branch in branches if thruster in branch.thrusters)
     assert flight.telemetry["diagnosis.in_use"][-1] == 2.0**22 - 1.0 - sum(
@@ -128,7 +128,7 @@ def test_stuck_pitch_thruster_is_named_and_not_the_sound_opposite_that_fires_aga
 
 
 def test_no_thruster_is_isolated_in_the_nominal_flight(nominal):
-    assert nominal.isolated_faults == [] and nominal.metrics["false_alarms"] == 0.0
+    assert nominal.isolated_faults == [] and nominal.figures["false_alarms"] == 0.0
     assert np.all(nominal.telemetry["diagnosis.in_use"] == 2.0**22 - 1.0)  # not even for a probe
 
 
@@ -141,4 +141,4 @@ def test_stuck_thruster_costs_propellant_and_attitude_when_nobody_diagnoses_it()
     unknown = edl6dof.fly("tianwen1", [fault, "flight_software.diagnosis.enabled=false"])
     assert known.outcome == "landed within limits" and unknown.isolated_faults == []
     for figure, least in (("propellant_used_kg", 4.0), ("max_roll_error_powered_deg", 0.3)):
-        assert unknown.metrics[figure] > known.metrics[figure] + least
+        assert unknown.figures[figure] > known.figures[figure] + least

@@ -67,7 +67,7 @@ def read_or_refused(done):
     [
         ["report", "failed"],
         ["plot", "failed", "truth.rate_*", "--out", "rates.png"],
-        *(["export", "failed", "--format", form] for form in ("csv", "mat", "nc", "oem", "aem")),
+        *(["export", "failed", "--format", form] for form in ("csv", "mat", "nc", "oem", "aem", "kml")),
         ["export", "failed", "--nesc"],
         ["compare", "failed", "sound"],
         pytest.param(["compare", "sound", "failed"], marks=pytest.mark.long),

@@ -127,7 +127,7 @@ def test_stars_are_seen_until_the_event_that_is_named_and_not_missed_after_it(no
     """All the way down to the trim wing: the attitude is known better until then, and drifts after."""
     stars = "sensors.star_tracker={until: trim_wing, lowest_m: -1.0e+4, rate_deg_s: 10}"
     flight = edl6dof.fly("tianwen1", [stars])
-    wing = flight.metrics["trim_wing_s"]
+    wing = flight.figures["trim_wing_s"]
     before, at, after, usual = (
         one.telemetry.at(t, "nav.sigma_attitude_down_deg")[0]
         for one, t in ((flight, wing - 20.0), (flight, wing), (flight, wing + 60.0), (nominal, wing))

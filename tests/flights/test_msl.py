@@ -23,16 +23,16 @@ def test_believed_airframe_has_the_published_ballistic_coefficient_and_lift_to_d
 def test_entry_ends_at_the_parachute_within_limits_near_the_aim_point(flight):
     assert flight.outcome == "deployed within limits"
     assert flight.success
-    assert flight.metrics["parachute_speed_m_s"] == pytest.approx(405.0, abs=2.0)
+    assert flight.figures["parachute_speed_m_s"] == pytest.approx(405.0, abs=2.0)
     # by planet-relative speed: the wind is not known on board
-    assert flight.metrics["parachute_mach"] == pytest.approx(1.7, abs=0.12)
-    assert flight.metrics["parachute_miss_m"] < 4000.0
+    assert flight.figures["parachute_mach"] == pytest.approx(1.7, abs=0.12)
+    assert flight.figures["parachute_miss_m"] < 4000.0
 
 
 def test_deployment_is_where_and_when_it_was(flight):
     """259.1 s after entry interface (Karlgaard et al. 2014), about 11 km up (prediction of NASA's)."""
-    assert flight.metrics["parachute_s"] == pytest.approx(259.12, abs=7.0)
-    assert flight.metrics["parachute_height_m"] == pytest.approx(11000.0, abs=700.0)
+    assert flight.figures["parachute_s"] == pytest.approx(259.12, abs=7.0)
+    assert flight.figures["parachute_height_m"] == pytest.approx(11000.0, abs=700.0)
 
 
 def test_range_control_reverses_three_times_and_leaves_the_rest_to_heading_alignment(flight):
@@ -52,7 +52,7 @@ def test_a_tail_wind_that_nobody_expects_carries_heading_alignment_past_the_aim_
     """
     unexpected = "flight_software.guidance.entry.expected_wind.table_factor=0"
     flights = ([unexpected], [unexpected, "wind.scale=0"], [])
-    blown, still, planned = (edl6dof.fly("msl", [*flight, f"seed={seed}"]).metrics for flight in flights)
+    blown, still, planned = (edl6dof.fly("msl", [*flight, f"seed={seed}"]).figures for flight in flights)
     carried = blown["parachute_downrange_m"] - still["parachute_downrange_m"]
     assert carried == pytest.approx(2500.0, abs=700.0)
     assert blown["parachute_downrange_m"] - planned["parachute_downrange_m"] > 1500.0
@@ -66,9 +66,9 @@ def test_vehicle_trims_as_planned_and_is_straightened_before_the_parachute(fligh
     assert np.mean(t["truth.alpha_deg"][dense]) == pytest.approx(-16.5, abs=2.0)
     # lift comes from the axial force, not from CN
     assert np.all(ratio[dense] < 0.1 * -t["truth.aero_force_x_n"][dense])
-    assert flight.metrics["parachute_total_alpha_deg"] < 5.0
+    assert flight.figures["parachute_total_alpha_deg"] < 5.0
 
 
 def test_loads_are_those_of_an_entry_at_minus_fifteen_degrees(flight):
     """123.39 m/s2, smoothed, in the archived accelerations."""
-    assert flight.metrics["peak_load_g0"] == pytest.approx(123.39 / 9.80665, rel=0.02)
+    assert flight.figures["peak_load_g0"] == pytest.approx(123.39 / 9.80665, rel=0.02)

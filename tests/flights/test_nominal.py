@@ -31,7 +31,7 @@ def test_nominal_lands_within_limits(nominal):
     ],
 )
 def test_timeline_is_near_the_published_flight(nominal, figure, published, window):
-    assert abs(nominal.metrics[figure] - published) < window
+    assert abs(nominal.figures[figure] - published) < window
 
 
 @pytest.mark.parametrize("action", ["trim_wing", "parachute"])
@@ -39,14 +39,14 @@ def test_navigated_mach_number_is_the_published_one_and_the_true_one_within_two_
     """Both wait for the Mach number that the flight computer works out with the climate's temperature;
     the calibrated air is 9.5 K colder, which makes the true one 2.5 % larger.
     """
-    published, t = nominal.scenario.published[f"{action}_mach"], nominal.metrics[f"{action}_s"]
+    published, t = nominal.scenario.published[f"{action}_mach"], nominal.figures[f"{action}_s"]
     (navigated,) = nominal.telemetry.at(t, "nav.mach")
     assert navigated == pytest.approx(published.number, abs=0.01)
-    assert abs(nominal.metrics[f"{action}_mach"] - published.number) < 2.0 * published.sigma
+    assert abs(nominal.figures[f"{action}_mach"] - published.number) < 2.0 * published.sigma
     bias = nominal.scenario.atmosphere.seasonal.temperature_bias_k
     (temperature,) = nominal.telemetry.at(t, "truth.temperature_k")
     colder = np.sqrt((temperature - bias) / temperature)
-    assert nominal.metrics[f"{action}_mach"] / navigated == pytest.approx(colder, abs=0.012)  # wind: 1 %
+    assert nominal.figures[f"{action}_mach"] / navigated == pytest.approx(colder, abs=0.012)  # wind: 1 %
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_navigated_mach_number_is_the_published_one_and_the_true_one_within_two_
     ],
 )
 def test_promised_bounds_hold(nominal, figure, bound):
-    assert abs(nominal.metrics[figure]) < bound
+    assert abs(nominal.figures[figure]) < bound
 
 
 def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(nominal):
@@ -98,13 +98,13 @@ def test_divert_begins_at_ignition_and_is_over_when_imaging_begins(nominal):
 
 @pytest.mark.parametrize("axis", ["roll", "pitch", "yaw"])
 def test_touchdown_attitude_and_rate_are_small(nominal, axis):
-    assert abs(nominal.metrics[f"touchdown_{axis}_error_deg"]) < 1.0
-    assert abs(nominal.metrics[f"touchdown_{axis}_rate_deg_s"]) < 0.5
+    assert abs(nominal.figures[f"touchdown_{axis}_error_deg"]) < 1.0
+    assert abs(nominal.figures[f"touchdown_{axis}_rate_deg_s"]) < 0.5
 
 
 def test_bank_reaches_twenty_degrees_per_second_and_reverses_four_times(nominal):
-    assert nominal.metrics["max_bank_rate_deg_s"] > 18.0
-    assert nominal.metrics["bank_reversals"] >= 4
+    assert nominal.figures["max_bank_rate_deg_s"] > 18.0
+    assert nominal.figures["bank_reversals"] >= 4
 
 
 def test_trim_at_minus_ten_degrees_comes_from_the_centre_of_mass_offset(nominal):
@@ -112,8 +112,8 @@ def test_trim_at_minus_ten_degrees_comes_from_the_centre_of_mass_offset(nominal)
     table = nominal.telemetry
     flying = (table["t_s"] > 100.0) & (table["t_s"] < 235.0)
     assert np.abs(np.mean(table["truth.alpha_deg"][flying]) + 10.0) < 1.0
-    wing_open = (table["t_s"] > nominal.metrics["trim_wing_s"] + 15.0) & (
-        table["t_s"] < nominal.metrics["parachute_s"]
+    wing_open = (table["t_s"] > nominal.figures["trim_wing_s"] + 15.0) & (
+        table["t_s"] < nominal.figures["parachute_s"]
     )
     assert np.abs(np.mean(table["truth.alpha_deg"][wing_open])) < 1.5
 

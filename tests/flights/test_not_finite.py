@@ -90,7 +90,7 @@ def test_state_is_named(loaded, moment, index):
     )
     assert flight.cause == f"not finite: {STATE_NAMES[index]} in phase {flight.phase}"
     assert len(flight.log) == 1
-    assert flight.events[-1]["name"] == flight.outcome and flight.metrics
+    assert flight.events[-1]["name"] == flight.outcome and flight.figures
 
 
 @pytest.mark.parametrize("value", WRONG)

@@ -18,7 +18,7 @@ def test_seeds_with_perturbations_on(count):
     assert all(flight.outcome and flight.outcome != "flying" for flight in flights)
     assert sum(flight.success for flight in flights) >= fewest(count, 0.95)
     # they really differ: landing points spread over more than a kilometre
-    east = [flight.metrics["landing_east_m"] for flight in flights if flight.landed]
+    east = [flight.figures["landing_east_m"] for flight in flights if flight.landed]
     assert max(east) - min(east) > 1000.0
 
 
@@ -37,4 +37,4 @@ def test_flight_computer_copes_with_what_it_was_not_told(change):
     """Density, flight-path angle, mass and wind of the truth changed while the belief stays nominal."""
     flight = edl6dof.fly("tianwen1", [f"truth={{{change}}}"])
     assert flight.landed, flight.outcome
-    assert flight.metrics["landing_distance_m"] < 10000.0
+    assert flight.figures["landing_distance_m"] < 10000.0

@@ -58,7 +58,7 @@ def open_loop(name, *overrides):
 
 def test_open_loop_of_msl_ends_beyond_by_what_its_reversals_take_longer():
     """2 to 3 s each, which the plan does not know."""
-    assert 0.0 < open_loop("msl").metrics["parachute_downrange_m"] < 2000.0
+    assert 0.0 < open_loop("msl").figures["parachute_downrange_m"] < 2000.0
 
 
 @pytest.mark.parametrize(
@@ -71,9 +71,9 @@ def test_open_loop_of_msl_ends_beyond_by_what_its_reversals_take_longer():
 )
 def test_open_loop_ends_within_a_kilometre_of_the_aim_point(name, overrides):
     """16 km off for tianwen1, when the plan knew no rotation, wind, or reversals."""
-    assert open_loop(name, *overrides).metrics["parachute_miss_m"] < 1000.0
+    assert open_loop(name, *overrides).figures["parachute_miss_m"] < 1000.0
 
 
 def test_what_the_open_loop_of_tianwen1_misses_is_the_air_of_the_day():
     """30 % thinner at 60 km than the climate that the plan is made in: overshoot."""
-    assert 2000.0 < open_loop("tianwen1").metrics["parachute_downrange_m"] < 6000.0
+    assert 2000.0 < open_loop("tianwen1").figures["parachute_downrange_m"] < 6000.0

@@ -23,16 +23,16 @@ def test_point_mass_and_rigid_body_deploy_at_nearly_the_same_place_and_time(both
     for flight in both:
         assert flight.outcome == "deployed within limits"
         assert flight.success and not flight.landed
-    assert point.metrics["parachute_s"] == pytest.approx(rigid.metrics["parachute_s"], abs=2.5)
-    assert point.metrics["parachute_mach"] == pytest.approx(rigid.metrics["parachute_mach"], abs=0.02)
-    assert point.metrics["parachute_altitude_m"] == pytest.approx(
-        rigid.metrics["parachute_altitude_m"], abs=400.0
+    assert point.figures["parachute_s"] == pytest.approx(rigid.figures["parachute_s"], abs=2.5)
+    assert point.figures["parachute_mach"] == pytest.approx(rigid.figures["parachute_mach"], abs=0.02)
+    assert point.figures["parachute_altitude_m"] == pytest.approx(
+        rigid.figures["parachute_altitude_m"], abs=400.0
     )
-    assert point.metrics["parachute_miss_m"] == pytest.approx(rigid.metrics["parachute_miss_m"], abs=1500.0)
+    assert point.figures["parachute_miss_m"] == pytest.approx(rigid.figures["parachute_miss_m"], abs=1500.0)
 
 
 def test_both_feel_the_same_entry(both):
-    point, rigid = (flight.metrics for flight in both)
+    point, rigid = (flight.figures for flight in both)
     assert point["peak_load_g0"] == pytest.approx(rigid["peak_load_g0"], rel=0.02)
     assert point["peak_heat_flux_w_cm2"] == pytest.approx(rigid["peak_heat_flux_w_cm2"], rel=0.02)
     assert abs(point["bank_reversals"] - rigid["bank_reversals"]) <= 1  # the last comes late or not at all
@@ -49,7 +49,7 @@ def test_telemetry_has_the_same_columns(both):
 
 def test_miss_is_made_of_downrange_and_crossrange(both):
     for flight in both:
-        figures = flight.metrics
+        figures = flight.figures
         assert np.hypot(figures["parachute_downrange_m"], figures["parachute_crossrange_m"]) == pytest.approx(
             figures["parachute_miss_m"], rel=1e-3
         )
@@ -62,9 +62,9 @@ def test_downrange_grows_with_the_aim_point_drawn_nearer():
     entry = "flight_software.guidance.entry"
     lift_up = ("law=constant_bank", "constant_bank.bank_deg=0", "bank_min_deg=0", "heading.speed_m_s=0")
     straight = [f"{entry}.{change}" for change in lift_up]
-    before = edl6dof.fly("zheng2015", straight).metrics
+    before = edl6dof.fly("zheng2015", straight).figures
     moved = 10.6877 - degrees(3000.0 / 3394500.0)
-    after = edl6dof.fly("zheng2015", [*straight, f"terrain.site_longitude_deg={moved!r}"]).metrics
+    after = edl6dof.fly("zheng2015", [*straight, f"terrain.site_longitude_deg={moved!r}"]).figures
     assert after["parachute_downrange_m"] - before["parachute_downrange_m"] == pytest.approx(3000.0, abs=0.1)
 
 

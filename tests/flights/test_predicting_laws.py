@@ -28,8 +28,8 @@ def test_law_brings_the_rigid_body_to_the_parachute_target(truth, law):
     ]
     flight = edl6dof.fly("tianwen1", sets)
     assert flight.success
-    assert flight.metrics["parachute_miss_m"] < 2500.0
-    assert abs(flight.metrics["parachute_downrange_m"]) < 1500.0
+    assert flight.figures["parachute_miss_m"] < 2500.0
+    assert abs(flight.figures["parachute_downrange_m"]) < 1500.0
 
 
 @pytest.mark.parametrize("law", ["npc", "etpc", "bank_profile"])
@@ -42,4 +42,4 @@ def test_laws_fly_the_point_mass_as_they_fly_the_rigid_body(law, response):
     flight = edl6dof.fly("tianwen1", [*sets, f"flight_software.guidance.entry.law={law}"])
     assert flight.success
     if law != "bank_profile":
-        assert flight.metrics["parachute_miss_m"] < 3000.0
+        assert flight.figures["parachute_miss_m"] < 3000.0

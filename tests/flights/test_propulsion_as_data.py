@@ -50,11 +50,11 @@ def two_engines():
 
 def test_two_engines_of_half_the_thrust_descend_as_one(nominal):
     flight = edl6dof.fly("tianwen1", [two_engines()])
-    assert flight.metrics["touchdown_s"] == pytest.approx(nominal.metrics["touchdown_s"], abs=0.5)
-    assert flight.metrics["propellant_used_kg"] == pytest.approx(
-        nominal.metrics["propellant_used_kg"], abs=0.5
+    assert flight.figures["touchdown_s"] == pytest.approx(nominal.figures["touchdown_s"], abs=0.5)
+    assert flight.figures["propellant_used_kg"] == pytest.approx(
+        nominal.figures["propellant_used_kg"], abs=0.5
     )
-    start = flight.metrics["backshell_s"]
+    start = flight.figures["backshell_s"]
     for s in (1.5, 10.0, 25.0):
         thrust = [at(one, "truth.engine_thrust_n", start + s) for one in (flight, nominal)]
         assert thrust[0] == pytest.approx(thrust[1], rel=0.01)
@@ -87,7 +87,7 @@ def test_a_fault_of_one_engine_leaves_the_other_all_its_thrust(nominal):
         "faults=[{kind: engine_shortfall, engine: left, engine_shortfall: {thrust_factor: 0.7}, "
         "at: {phase: powered_deceleration, plus_s: 6}}]"
     )
-    limit = f"simulation.time_limit_s={nominal.metrics['backshell_s'] + 10.0}"
+    limit = f"simulation.time_limit_s={nominal.figures['backshell_s'] + 10.0}"
     flight = edl6dof.fly("tianwen1", [two_engines(), fault, limit])
     event = next(one for one in flight.events if one["key"] == "fault")
     assert event["name"] == "fault: left engine shortfall"
@@ -132,10 +132,10 @@ def test_tanks_that_share_a_place_fly_as_one(nominal):
     flight = edl6dof.fly("tianwen1", [tanks(front=120.0, aft=70.0)])
     assert flight.outcome == "landed within limits"
     for name in ("parachute_height_m", "backshell_height_m", "touchdown_s", "propellant_used_kg"):
-        assert flight.metrics[name] == pytest.approx(nominal.metrics[name], rel=1e-2)
+        assert flight.figures[name] == pytest.approx(nominal.figures[name], rel=1e-2)
     left = flight.plant["y"][0, PROPELLANT : PROPELLANT + 2]
     assert left / (120.0, 70.0) == pytest.approx(
-        np.full(2, 1.0 - flight.metrics["propellant_used_kg"] / 190.0), rel=1e-9
+        np.full(2, 1.0 - flight.figures["propellant_used_kg"] / 190.0), rel=1e-9
     )
     # the first minute, before chaos: masses, truth and belief
     for column in ("truth.mass_kg", "nav.mass_kg", "truth.centre_y_m"):

@@ -27,15 +27,15 @@ def flight():
 
 def test_opens_abeam_of_the_aim_point_within_limits(flight):
     assert flight.outcome == "deployed within limits"
-    assert beyond_what_navigation_errs(flight.metrics) < ABEAM_M
-    assert SLOWEST < flight.metrics["parachute_speed_m_s"] < FASTEST
+    assert beyond_what_navigation_errs(flight.figures) < ABEAM_M
+    assert SLOWEST < flight.figures["parachute_speed_m_s"] < FASTEST
 
 
 @pytest.mark.parametrize("scale", [-1.0, pytest.param(0.0, marks=pytest.mark.long)])
 def test_wind_moves_the_speed_at_the_mortar_and_not_the_place(scale):
     wind = [f"wind.scale={scale}"]
-    by_range = edl6dof.fly("msl_range_trigger", wind).metrics
-    by_speed = edl6dof.fly("msl", wind).metrics
+    by_range = edl6dof.fly("msl_range_trigger", wind).figures
+    by_speed = edl6dof.fly("msl", wind).figures
     assert beyond_what_navigation_errs(by_range) < ABEAM_M
     assert abs(by_speed["parachute_downrange_m"]) > 1500.0
     assert abs(by_range["parachute_speed_m_s"] - by_speed["parachute_speed_m_s"]) > 3.0
@@ -45,6 +45,6 @@ def test_wind_moves_the_speed_at_the_mortar_and_not_the_place(scale):
 def test_opens_at_the_edge_of_the_speeds_where_the_aim_point_is_out_of_reach(bank_deg, speed):
     """Flown far beyond it with the lift up, and short of it with none."""
     law = [f"{ENTRY}.law=constant_bank", f"{ENTRY}.constant_bank.bank_deg={bank_deg}"]
-    flown = edl6dof.fly("msl_range_trigger", law).metrics
+    flown = edl6dof.fly("msl_range_trigger", law).figures
     assert abs(flown["parachute_downrange_m"]) > 10e3
     assert flown["parachute_speed_m_s"] == pytest.approx(speed, abs=3.0)

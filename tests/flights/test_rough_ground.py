@@ -80,7 +80,7 @@ def test_footpads_stand_on_the_ground_under_each_of_them(landed):
 
 
 def test_figures_of_the_footing_are_those_of_the_ground(landed):
-    gear, figures = landed.scenario.vehicle.landing_gear, landed.metrics
+    gear, figures = landed.scenario.vehicle.landing_gear, landed.figures
     pads = np.array([above_ground(landed, point) for point in points_F(landed, gear.footpads_m)])
     design = np.column_stack([pads[:, 1:3] - pads[:, 1:3].mean(axis=0), np.ones(4)])
     rise = np.linalg.lstsq(design, pads[:, 3] - pads[:, 3].mean(), rcond=None)[0]
@@ -109,7 +109,7 @@ def test_a_rock_under_the_belly_is_the_cause_of_no_success():
     """
     seen = set()
     for flight in islice(flights_over(0.2, count(1)), 25):
-        rock, reach = flight.metrics["largest_rock_m"], flight.metrics["ground_under_belly_m"]
+        rock, reach = flight.figures["largest_rock_m"], flight.figures["ground_under_belly_m"]
         if flight.code != LANDED:
             continue
         assert ("largest rock under the lander" in flight.outcome) == (rock > 0.5)
@@ -135,7 +135,7 @@ def test_what_ends_on_hills_and_holes_stands_or_has_tipped_over():
 
 
 def test_without_a_generated_landing_area_there_are_no_such_figures():
-    assert "rocks_under_lander" not in edl6dof.fly("tianwen1").metrics
+    assert "rocks_under_lander" not in edl6dof.fly("tianwen1").figures
 
 
 def test_viewers_see_the_ground_of_the_flight(landed):

@@ -27,7 +27,7 @@ def test_velocity_and_height_are_known_on_any_slope(slope_deg, downhill_deg, see
         "nav.error_height_m",
     )
     t, north, east, down, height = (np.array(flight.telemetry[name]) for name in channels)
-    met = flight.metrics["touchdown_s"]
+    met = flight.figures["touchdown_s"]
     near = (t > met - 40.0) & (t < met)
     assert excluded(flight) == []
     assert np.sqrt(north**2 + east**2 + down**2)[near].max() < 0.1

@@ -18,7 +18,7 @@ def flown(rate_deg_s, law, *overrides):
         f"{ENTRY}.bank_rate_deg_s={rate_deg_s}",
         f"{ENTRY}.law={law}",
     ]
-    return edl6dof.fly("zheng2015", [*sets, *overrides]).metrics
+    return edl6dof.fly("zheng2015", [*sets, *overrides]).figures
 
 
 def miss_of_one_reversal(rate_deg_s, speed):

@@ -25,7 +25,7 @@ def test_landers_on_pulsed_engines_come_down_within_limits(landed):
     published = landed.scenario.published
     if landed.scenario.name == "phoenix":
         figure = "touchdown_vertical_m_s"
-        assert landed.metrics[figure] == pytest.approx(published[figure].value, abs=0.3)
+        assert landed.figures[figure] == pytest.approx(published[figure].value, abs=0.3)
 
 
 def test_engine_thrust_is_the_axial_force_of_the_thrusters(landed):
@@ -33,9 +33,9 @@ def test_engine_thrust_is_the_axial_force_of_the_thrusters(landed):
     log, scenario = landed.telemetry, landed.scenario
     axial = [jet for jet in scenario.vehicle.rcs.thrusters if jet.group == "axial"]
     given = sum(-jet.direction[0] * jet.thrust_n * log[f"rcs.{jet.name}"] for jet in axial)
-    lit = (log["t_s"] > landed.metrics["backshell_s"] + 3.0) & (log["t_s"] < landed.metrics["touchdown_s"])
+    lit = (log["t_s"] > landed.figures["backshell_s"] + 3.0) & (log["t_s"] < landed.figures["touchdown_s"])
     shown = log["truth.engine_thrust_n"]
-    assert shown[~lit & (log["t_s"] < landed.metrics["backshell_s"])].max() == 0.0
+    assert shown[~lit & (log["t_s"] < landed.figures["backshell_s"])].max() == 0.0
     assert shown[lit].mean() == pytest.approx(given[lit].mean(), rel=0.02)
     assert np.count_nonzero(np.diff(shown[lit])) > 100
 

@@ -28,7 +28,7 @@ def test_tank_that_runs_empty_is_told_before_the_crash():
     assert empty["name"] == "propellant exhausted"
     assert empty["t_s"] < event(flight, "touchdown")["t_s"] - 1.0
     t = empty["t_s"]
-    down, over = (flight.metrics[f"touchdown_{way}_m_s"] for way in ("vertical", "horizontal"))
+    down, over = (flight.figures[f"touchdown_{way}_m_s"] for way in ("vertical", "horizontal"))
     words = f"propellant exhausted at {t:.1f} s"
     # without thrust the phases go on: the ground is met in the last one that began before it
     begun = [one["key"] for one in flight.events if one["t_s"] < event(flight, "touchdown")["t_s"]]
@@ -72,7 +72,7 @@ def test_vehicle_with_folded_legs_crashes_however_slow_and_says_why():
         for phase in ("parachute", "powered_deceleration")
     ]
     flight = edl6dof.fly("tianwen1", late)
-    assert flight.metrics["touchdown_vertical_m_s"] < flight.scenario.limits.crash_speed_m_s
+    assert flight.figures["touchdown_vertical_m_s"] < flight.scenario.limits.crash_speed_m_s
     assert flight.cause == "crashed in phase slow_descent with its legs folded"
 
 
@@ -82,7 +82,7 @@ def test_speed_at_first_contact_decides_about_a_crash_and_not_what_the_legs_make
     Levers of 35 to 50 m throw it over or not, as the pads happen to meet; those of 55 to 80 m all did.
     """
     flight = edl6dof.fly("tianwen1", ["vehicle.landing_gear.footpads_m.1.2=80"])
-    assert flight.metrics["touchdown_vertical_m_s"] < 3.0
+    assert flight.figures["touchdown_vertical_m_s"] < 3.0
     assert flight.cause == "tipped over in phase slow_descent"
 
 
@@ -94,7 +94,7 @@ def test_lander_that_is_off_the_ground_has_not_landed(nominal):
 
 
 def test_time_limit_ends_a_flight_on_the_ground_too(nominal):
-    limit = math.ceil(nominal.metrics["touchdown_s"]) + 1.0
+    limit = math.ceil(nominal.figures["touchdown_s"]) + 1.0
     flight = edl6dof.fly("tianwen1", [f"simulation.time_limit_s={limit}"])
     assert flight.outcome == "time limit in phase landed"
 
@@ -165,7 +165,7 @@ def test_brief_telemetry_tells_the_same(sets):
     loaded = edl6dof.load("tianwen1", sets)
     whole, brief = fly(loaded), fly(loaded, log=np.zeros(log_rows(loaded), BRIEF))
     assert (brief.outcome, brief.cause, brief.time_s) == (whole.outcome, whole.cause, whole.time_s)
-    assert json.dumps(brief.metrics) == json.dumps(whole.metrics)
+    assert json.dumps(brief.figures) == json.dumps(whole.figures)
     assert json.dumps(brief.events) == json.dumps(whole.events)
 
 
@@ -173,7 +173,7 @@ def test_what_happened_before_a_saved_state_has_no_figures(nominal):
     state = fly(nominal.loaded, save_at_s=440.0).saved
     flight = fly(nominal.loaded, start=state)
     assert flight.outcome == "landed within limits"
-    assert "parachute_total_alpha_deg" not in flight.metrics
+    assert "parachute_total_alpha_deg" not in flight.figures
     assert event(flight, "mortar")["altitude_m"] is None and event(flight, "mortar")["detail"] == ""
     assert event(flight, "touchdown")["altitude_m"] is not None
-    assert flight.metrics["peak_load_g0"] == nominal.metrics["peak_load_g0"]
+    assert flight.figures["peak_load_g0"] == nominal.figures["peak_load_g0"]

@@ -29,7 +29,7 @@ def test_the_names_of_events_are_free(nominal):
                 one["name"] = f"own_{one['name']}"
 
     flight = edl6dof.fly("tianwen1", [phases(change)])
-    assert flight.metrics == nominal.metrics
+    assert flight.figures == nominal.figures
     milestones = (
         [one["milestone"] for one in each.events if "milestone" in one] for each in (flight, nominal)
     )
@@ -52,7 +52,7 @@ def test_another_event_may_have_the_name_of_a_milestone(nominal):
         next(one["t_s"] for one in flight.events if one["key"] == key) for key in ("backshell", "shell_off")
     )
     assert ballast == pytest.approx(40.0, abs=0.03)
-    assert flight.metrics["backshell_s"] == pytest.approx(released, abs=1e-9)
+    assert flight.figures["backshell_s"] == pytest.approx(released, abs=1e-9)
 
 
 # ---- ballast -----------------------------------------------------------------------------------

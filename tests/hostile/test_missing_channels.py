@@ -85,6 +85,6 @@ def test_what_does_not_need_the_channel_is_shown(fewer, tmp_path):
 def test_python_reads_what_there_is_and_says_what_is_missing(fewer, tmp_path):
     run = edl6dof.open_run(fewer)
     assert run["crew.mood"].shape == run["t_s"].shape and run.unit("crew.mood") == ""
-    assert "time limit" in run.outcome and run.metrics and run._repr_html_()
+    assert "time limit" in run.outcome and run.figures and run._repr_html_()
     with pytest.raises(edl6dof.ConfigError, match=f"no channel {NEEDED!r}"):
         edl6dof.report(run, out=tmp_path / "report.html")

@@ -254,7 +254,7 @@ def test_a_flight_may_end_with_an_event_of_its_mission():
     goal = ["mission.goal=event", "mission.goal_event=trim_wing"]
     flight = edl6dof.fly("msl", [*goal, "sensors.set=perfect"])
     assert flight.success and flight.outcome == "trim wing commanded"
-    assert flight.events[-2]["key"] == "trim_wing" and "parachute_s" not in flight.metrics
+    assert flight.events[-2]["key"] == "trim_wing" and "parachute_s" not in flight.figures
     with pytest.raises(ConfigError, match="no event named 'no_such' with which the flight ends"):
         edl6dof.load("msl", ["mission.goal_event=no_such"])
     with pytest.raises(ConfigError, match="name the event with which the flight ends"):
@@ -288,7 +288,7 @@ def test_balance_masses_take_the_lift_away_and_the_rover_is_let_out_under_four_e
 
 def test_pathfinder_stops_above_the_ground_and_viking_stands_on_it():
     pathfinder, viking = edl6dof.fly("pathfinder"), edl6dof.fly("viking1")
-    assert pathfinder.success and 5.0 < pathfinder.metrics["bridle_cut_height_m"] < 30.0
+    assert pathfinder.success and 5.0 < pathfinder.figures["bridle_cut_height_m"] < 30.0
     spin = pathfinder.telemetry["truth.rate_p_deg_s"]
     assert spin[np.searchsorted(pathfinder.telemetry["t_s"], 150.0)] == pytest.approx(12.0, abs=1.0)
     assert viking.outcome == "landed within limits"

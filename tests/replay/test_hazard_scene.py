@@ -20,7 +20,7 @@ def flight():
 
 def test_drawn_ground_is_that_of_the_simulation_and_its_rocks_lie_on_it(flight):
     site = Site(flight.scenario)
-    touchdown = np.array([flight.metrics["landing_east_m"], flight.metrics["landing_north_m"], 0.0])
+    touchdown = np.array([flight.figures["landing_east_m"], flight.figures["landing_north_m"], 0.0])
     landscape = Landscape(site, touchdown)
     near = landscape.near()
     assert np.abs(near.positions[:, :2] - touchdown[:2]).max() == pytest.approx(NEAR)
@@ -70,8 +70,8 @@ def test_footprint_lies_around_the_spot_and_the_lander_stands_in_it(flight, repl
     radius = flight.scenario.flight_software.hazard.footprint_radius_m
     middle = ring[:-1].mean(axis=0)
     assert np.allclose(np.linalg.norm(ring - middle, axis=1), radius, atol=1e-2)
-    stands = np.array([flight.metrics["landing_east_m"], flight.metrics["landing_north_m"]])
-    assert np.linalg.norm(stands - middle) == pytest.approx(flight.metrics["spot_miss_m"], abs=0.2)
+    stands = np.array([flight.figures["landing_east_m"], flight.figures["landing_north_m"]])
+    assert np.linalg.norm(stands - middle) == pytest.approx(flight.figures["spot_miss_m"], abs=0.2)
 
 
 def test_rays_end_on_the_ground_and_with_the_scan(flight, replay):

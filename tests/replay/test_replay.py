@@ -148,7 +148,7 @@ def test_the_largest_value_of_a_plot_is_the_peak_of_the_flight(nominal, tmp_path
     }
     for entity, (figure, factor) in peaks.items():
         _, columns = read(tmp_path / "replay.rrd", entity)
-        assert np.max(columns["Scalars:scalars"]) == pytest.approx(nominal.metrics[figure] * factor, rel=2e-7)
+        assert np.max(columns["Scalars:scalars"]) == pytest.approx(nominal.figures[figure] * factor, rel=2e-7)
 
 
 def test_the_viewer_draws_extremes_where_it_has_no_room_for_every_value(replay):

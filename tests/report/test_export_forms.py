@@ -6,6 +6,7 @@ import csv
 import warnings
 from datetime import datetime
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -19,6 +20,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.environment.planet import OrientationParams
 from edl6dof.export.ccsds import days_since_j2000, icrf_to_fixed
 from edl6dof.export.forms import FILES, write_export
+from edl6dof.export.kml import PLACE, write_kml
 from edl6dof.manifest import seal
 from edl6dof.runs.run import Run
 
@@ -95,6 +97,44 @@ def test_netcdf_says_what_its_columns_are(beginning, exported):
         assert file.variables["truth_altitude_m"].units == b"m"
         assert file.variables["truth_load_g0"].units == b"9.80665 m s-2", "not grams"
         assert file.variables["truth_alpha_deg"].long_name == beginning.meaning("truth.alpha_deg").encode()
+
+
+def test_kml_is_the_trajectory_with_its_events(run, tmp_path):
+    rows = write_export(run.folder, "kml", tmp_path / "t.kml", force=False)
+    root = ElementTree.parse(tmp_path / "t.kml").getroot()
+    kml = {"kml": "http://www.opengis.net/kml/2.2"}
+    assert root.tag == f"{{{kml['kml']}}}kml" and root.get("hint") == "target=mars"
+    assert root.findtext("kml:Document/kml:name", namespaces=kml) == f"{run.name} on Mars"
+
+    def places(shape):
+        found = root.iterfind(f".//kml:{shape}", kml)
+        texts = [shown.findtext("kml:coordinates", namespaces=kml).split() for shown in found]
+        return [np.array([point.split(",") for point in points], float) for points in texts]
+
+    assert {mode.text for mode in root.iterfind(".//kml:altitudeMode", kml)} == {"absolute"}
+    (line,) = places("LineString")
+    flown = np.column_stack([run[f"truth.{name}"] for name in ("longitude_deg", "latitude_deg")])
+    height = run["truth.height_above_areoid_m"]
+    assert rows == len(line) < len(run.t)
+    at = [int(np.abs(flown - point[:2]).sum(axis=1).argmin()) for point in line[:-20]]
+    assert np.abs(line[:-20, :2] - flown[at]).max() < 1e-7
+    assert np.abs(line[[0, -1], 2] - height[[0, -1]]).max() < 0.006
+    falling = np.interp(flown[:, 1][::-50], line[::-1, 1], line[::-1, 2])
+    above = height[::-50] > 10_000.0
+    assert np.abs(falling - height[::-50])[above].max() < np.ptp(height) / 2000.0
+
+    names = [one.text for one in root.iterfind(".//kml:Placemark/kml:name", kml)]
+    marks = dict(zip(names[1:], (point for (point,) in places("Point")), strict=True))
+    assert marks["main parachute deployed"][2] == pytest.approx(run.at(PLACE[2], run.when["mortar"]), abs=3.0)
+    assert np.abs(marks["touchdown, first contact"][:2] - flown[-1]).max() < 1e-5
+    assert "phase lift" not in marks and run.summary["outcome"] in marks
+
+
+def test_kml_of_a_moon_that_no_globe_shows_names_it(beginning, tmp_path, monkeypatch):
+    monkeypatch.setitem(beginning.scenario["planet"], "name", "Titan")
+    write_kml(tmp_path / "t.kml", beginning)
+    text = (tmp_path / "t.kml").read_text()
+    assert "hint" not in text and "on Titan" in text
 
 
 def test_oem_is_read_by_two_published_parsers(beginning, exported, tmp_path):

@@ -180,10 +180,10 @@ def test_a_flight_with_a_failed_gyro_says_so(flown):
 def test_table_of_the_flight_agrees_with_its_figures(flown):
     flight, run = flown
     rows = {row[0]: row for row in navigation_errors.at_moments(run).rows}
-    height = flight.metrics["ignition_nav_height_m"]
+    height = flight.figures["ignition_nav_height_m"]
     assert float(rows["height above the ground"][3].split(" ± ")[0]) == pytest.approx(height, abs=0.006)
     speed = [float(rows[f"velocity {axis}"][4].split(" ± ")[0]) for axis in ("north", "east", "down")]
-    assert np.linalg.norm(speed) == pytest.approx(flight.metrics["touchdown_nav_velocity_m_s"], abs=0.002)
+    assert np.linalg.norm(speed) == pytest.approx(flight.figures["touchdown_nav_velocity_m_s"], abs=0.002)
 
 
 def test_terminal_has_the_figures_of_navigation_of_a_flight_on_instruments_only(flown):
@@ -193,7 +193,7 @@ def test_terminal_has_the_figures_of_navigation_of_a_flight_on_instruments_only(
         return console.export_text()
 
     flight, text = flown[0], told(flown[0])
-    height = flight.metrics["touchdown_nav_height_m"]
+    height = flight.figures["touchdown_nav_height_m"]
     row = next(line for line in text.splitlines() if "estimated height at touchdown" in line)
     assert row.split()[-2:] == ["m", f"{height:,.2f}"]
     perfect = edl6dof.fly("tianwen1", ["sensors.set=perfect", "mission.goal=deployment"])

@@ -77,7 +77,7 @@ def test_every_phase_has_another_name(nominal, other):
 def test_figures_and_checks_are_the_same(nominal, other):
     flight = other[0]
     assert (
-        flight.metrics == nominal.metrics
+        flight.figures == nominal.figures
         and flight.checks == nominal.checks
         and flight.outcome == nominal.outcome
     )
@@ -88,7 +88,7 @@ def test_figures_need_the_roles(tmp_path):
     text = resolve_scenario("msl").read_text(encoding="utf-8")
     path = tmp_path / "msl.yaml"
     path.write_text(re.sub(r"      role: \w+\n", "", text), encoding="utf-8")
-    gone = edl6dof.fly("msl").metrics.keys() - edl6dof.fly(path).metrics.keys()
+    gone = edl6dof.fly("msl").figures.keys() - edl6dof.fly(path).figures.keys()
     assert {"lift_start_s", "trim_aoa_limit_cycle_deg", "bank_reversals", "max_rate_parachute_deg_s"} <= gone
 
 
@@ -155,7 +155,7 @@ def test_usual_faults_begin_in_the_same_phases_and_do_the_same(nominal, other, t
         renamed_file("tianwen1", tmp_path)[0],
         [fault.format(flight.phase_names[nominal.phase_names.index("hazard_avoidance")])],
     )
-    assert first.metrics == second.metrics and "time_to_detect_s" in first.metrics
+    assert first.figures == second.figures and "time_to_detect_s" in first.figures
 
 
 @pytest.mark.parametrize(
@@ -199,4 +199,4 @@ def test_a_role_begins_with_its_first_phase(nominal):
     ]
     when = first_times(events)
     assert when[begun(LIFT)] == 2.0 and when["phase.2"] == 4.0 and begun("none") not in when
-    assert first_times(nominal.events)[begun(LIFT)] == nominal.metrics["lift_start_s"]
+    assert first_times(nominal.events)[begun(LIFT)] == nominal.figures["lift_start_s"]

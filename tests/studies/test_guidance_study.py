@@ -186,7 +186,7 @@ def test_figures_of_a_flight_are_its_own_telemetry(nominal):
     found, rows = guidance.of_flight(flight), flight.telemetry
     lift = rows["guide.phase"] == 1
     # at least the reversals, each from one side to the other, and the levelling at the end
-    reversals = flight.metrics["bank_reversals"]
+    reversals = flight.figures["bank_reversals"]
     assert found["bank_travel_deg"] > 2 * 15.0 * reversals
     assert found["bank_travel_deg"] <= 20.0 * np.ptp(rows["t_s"][lift])  # the rate limit
     assert 0.0 <= found["saturation_s"] < np.ptp(rows["t_s"][lift])

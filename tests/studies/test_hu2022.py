@@ -16,7 +16,7 @@ ENTRIES = 4
 
 @pytest.fixture(scope="module")
 def release(nominal):
-    return hu2022.state_at(nominal.metrics["backshell_s"] + hu2022.AFTER_RELEASE_S)
+    return hu2022.state_at(nominal.figures["backshell_s"] + hu2022.AFTER_RELEASE_S)
 
 
 @pytest.fixture(scope="module", params=["two", pytest.param("all", marks=pytest.mark.long)])
@@ -63,7 +63,7 @@ def test_dispersed_entry_hangs_as_it_was_drawn(release, entry):
 def test_thrust_error_from_the_truth_is_that_of_the_controller(nominal):
     table = nominal.telemetry
     powered = (table["guide.phase"] >= nominal.phase_names.index("hover_imaging")) & (
-        table["t_s"] < nominal.metrics["touchdown_s"]
+        table["t_s"] < nominal.figures["touchdown_s"]
     )
     own = np.hypot(table["control.error_pitch_deg"], table["control.error_yaw_deg"])[powered]
     moving = np.abs(hu2022.thrust_error_deg(nominal)[powered] - own)

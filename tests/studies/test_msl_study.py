@@ -29,7 +29,7 @@ def found(report, label):
 
 
 def test_the_first_line_is_the_scenario_and_every_other_changes_it(lines):
-    own, first = edl6dof.fly("msl").metrics, lines["as it is"]
+    own, first = edl6dof.fly("msl").figures, lines["as it is"]
     assert first["mortar s"] == pytest.approx(own["parachute_s"], abs=2.0)
     assert first["q Pa"] == pytest.approx(own["parachute_dynamic_pressure_pa"], rel=1e-2)
     scenario = edl6dof.load("msl").scenario

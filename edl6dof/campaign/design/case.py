@@ -1,16 +1,16 @@
-"""One case of a campaign, study or fault matrix: its differences from the scenario, and what flies.
+"""One case of a campaign, study or fault matrix: its changes of the scenario, and the records that fly.
 
 Numbers are put into the validated scenario: every model that contains one is validated again, and so is what
 must fit together between sections.  The other models are shared, and so are tables and plans with the same
 inputs.  The result has the same bits as a scenario loaded with the same ``--set`` texts.  A change that is no
-number can change the structure: then the whole document is checked, as it is for the message about a number
-that is refused.
+number can change the structure of the document.  The whole document is then checked, and also where a number
+is refused, for the message.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import cached_property
 from math import isclose
@@ -44,7 +44,7 @@ class Case:
     """Changes of one flight, by dotted path.
 
     Attributes:
-        index: number of the case; rows come in its order.
+        index: number of the case; rows are in the order of these numbers.
         truth: values that the flight computer does not know.
         belief: values that the flight computer knows; they also hold in the truth unless ``truth`` has
             another value.
@@ -73,10 +73,11 @@ def group_of(column: str, campaign: Mapping[str, Any]) -> str:
     """Return the name of the group of a dispersed quantity.
 
     The quantities of one path with a wildcard form a group, and so do quantities drawn with a correlation.
-    Groups are independent of each other.  Any other quantity is a group of one with its path as name.
+    Groups are independent of each other.  Any other quantity is a group of one, named by its path.
 
     Args:
-        column: column of the results, such as ``truth.wind.scale``; a name keeps the prefix of belief.
+        column: column of the results, such as ``truth.wind.scale``; the group name keeps the prefix of
+            belief.
         campaign: the campaign section as plain data.
     """
     mark = BELIEF if column.startswith(BELIEF) else ""
@@ -89,7 +90,7 @@ def group_of(column: str, campaign: Mapping[str, Any]) -> str:
 
 
 class NotApplied(Exception):
-    """A change of a case did not reach what is flown."""
+    """A change of a case has not reached the scenario that flies."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class Variant:
     parts: Records
 
     def applied(self, case: Case) -> dict[str, Any]:
-        """Return the values of all changes of the case by column name, read back from the records' scenario.
+        """Return the values of all changes of the case by column name, read from the records' scenario.
 
         A dispersion that is silently not applied is the classic failure of Monte Carlo tools; here it stops
         the case.
@@ -156,13 +157,13 @@ class Variants:
         """Scenario, truth and records of a case.
 
         Raises:
-            ConfigError: a path does not exist, or its value is not allowed.
+            ConfigError: a path does not exist, or a value is not allowed.
         """
         loaded = self._overridden(case) or self._checked(case)
         return Variant(loaded, build_records(loaded))
 
     def _overridden(self, case: Case) -> LoadedScenario | None:
-        """A case whose changes are numbers; ``None`` for any other, and for one that is not allowed."""
+        """Scenario of a case whose changes are allowed numbers; ``None`` for any other case."""
         truth = case.changes(self.base.scenario.truth)["truth"]
         plain = all(_is_plain(path, value) for path, value in (*case.overrides.items(), *truth.items()))
         if not plain or any(map(truth_problem, truth)):
@@ -181,9 +182,11 @@ class Variants:
         return {self._keys[path]: value for path, value in changes.items()}
 
     def _checked(self, case: Case) -> LoadedScenario:
-        """Any case; messages have no places in files, so that a row is the same on every machine."""
+        """Scenario of any case, the whole document checked.  Messages have no places in files, so that a row
+        is the same on every machine.
+        """
         document = Document(self.base.document.data, {(): Mark("")}, files=self.base.document.files)
-        return scenario_of(replace(self.base, document=document), case)
+        return scenario_of(LoadedScenario(self.base.scenario, self.base.truth, document), case)
 
 
 def _changed(scenario: Scenario, values: Mapping[Keys, Any]) -> Scenario:

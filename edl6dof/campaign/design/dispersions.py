@@ -46,7 +46,7 @@ class Target:
         path: dotted path, without wildcards.
         nominal: its value in the scenario.
         slot: its place in the parameter model.
-        place: place in the file that disperses it.
+        place: keys of its dispersion in the campaign file.
     """
 
     of: Of
@@ -58,18 +58,18 @@ class Target:
 
 @dataclass(frozen=True)
 class Draw:
-    """Parameters that are drawn together from as many unit numbers."""
+    """Parameters that are drawn together, from one number in 0..1 each."""
 
     targets: tuple[Target, ...]
     distribution: DistributionParams | Correlated
 
     @property
     def names(self) -> list[str]:
-        """Names of the unit numbers."""
+        """Names of the numbers in 0..1, one for each parameter."""
         return [f"{target.of}.{target.path}" for target in self.targets]
 
     def values(self, unit: np.ndarray) -> list[np.ndarray]:
-        """Values of each target; ``unit`` has shape (cases, targets)."""
+        """Values of each parameter, shape (cases,), from numbers in 0..1, shape (cases, targets)."""
         if isinstance(self.distribution, DistributionParams):
             return [self.distribution.values(unit[:, 0], self.targets[0].nominal)]
         mean = np.array([target.nominal for target in self.targets], dtype=float)
@@ -77,7 +77,7 @@ class Draw:
 
 
 def drawn(draws: Sequence[Draw], columns: np.ndarray) -> Iterator[tuple[Draw, np.ndarray]]:
-    """Each draw with its columns of shape (cases, all targets)."""
+    """Yield each draw with its own columns, shape (cases, its targets), out of those of all draws."""
     ends = np.cumsum([len(draw.targets) for draw in draws])[:-1]
     return zip(draws, np.split(columns, ends, axis=1), strict=True) if draws else iter(())
 
@@ -87,7 +87,7 @@ class Locator:
 
     Args:
         loaded: the scenario.
-        document: its file with the campaign section, for the places of problems.
+        document: file of the campaign, for the places of problems.
     """
 
     def __init__(self, loaded: LoadedScenario, document: Document):
@@ -96,7 +96,7 @@ class Locator:
         self._template = copy.deepcopy(loaded.document)
 
     def targets(self, of: Of, path: str, place: Keys) -> Iterator[Target]:
-        """Every parameter that a path means; more than one where it has a ``*``."""
+        """Yield every parameter that a path means; several if the path has a ``*``."""
         model = self.loaded.scenario if of == "belief" else self.loaded.truth
         try:
             if of == "truth" and (words := truth_problem(path)):
@@ -158,7 +158,7 @@ def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
 
 
 def _check_kind(draw: Draw, locator: Locator) -> bool:
-    """Return whether the distribution can be drawn from at all."""
+    """Return whether the distribution suits its parameters; report a problem to the locator."""
     for target in draw.targets:
         if getattr(draw.distribution, "choices", []):
             continue
@@ -177,7 +177,7 @@ def _check_kind(draw: Draw, locator: Locator) -> bool:
 
 
 def check_values(target: Target, values: np.ndarray, first: int, locator: Locator) -> bool:
-    """Return whether all drawn numbers are within the bounds; a violation goes to the locator."""
+    """Return whether all drawn numbers are within the target's bounds; a violation goes to the locator."""
     if values.dtype == object:
         return True
     limits = bounds(target.slot)
@@ -208,29 +208,29 @@ def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Ke
 
 
 def check_faults(params: CampaignParams, locator: Locator) -> None:
-    """Problems of the faults that may be drawn."""
+    """Report the problems of the faults that may be drawn to the locator."""
     for k, draw in enumerate(params.faults):
         for j, data in enumerate(draw.one_of):
             for place, message in _fault_problems(data, locator):
                 locator.refuse(("campaign", "faults", k, "one_of", j, *place), message)
 
 
-#: Between the names of components that fail together.
+#: Separator of the names of components that fail together.
 AND = " + "
-#: More cells, or flights in all of them, are taken for an input error.
+#: Largest numbers of cells, and of flights in all cells; larger ones are taken for an input error.
 _MOST_CELLS, _MOST_FLIGHTS = 100_000, 10_000_000
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Faults of one cell as under ``faults:``, and the columns that name it in every row."""
+    """Faults of one cell, written as under ``faults:``, and the columns that identify the cell in a row."""
 
     faults: tuple[dict[str, Any], ...]
     label: dict[str, str]
 
 
 def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
-    """Every cell: for each group its moments, at each of them its components."""
+    """Yield the cells of a fault matrix: for each group its moments, for each moment its components."""
     for group in matrix.groups:
         for moment in group.moments:
             at = moment.at.model_dump(exclude_none=True)
@@ -240,7 +240,7 @@ def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
 
 
 def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
-    """Send the problems of a matrix of faults, each flown on some ``vehicles``, to the locator."""
+    """Report the problems of a fault matrix, each cell flown on some ``vehicles``, to the locator."""
     number = sum(len(group.moments) * comb(len(group.names), matrix.together) for group in matrix.groups)
     if number > _MOST_CELLS or number * vehicles > _MOST_FLIGHTS:
         words = f"makes {number:,} cells on {counted(vehicles, 'vehicle')}"

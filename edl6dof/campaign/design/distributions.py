@@ -1,7 +1,8 @@
 """Distributions of a dispersed parameter that a campaign file may name after ``kind:``.
 
 Each turns numbers in 0..1 into values by its inverse distribution function, so that every sampling plan
-(random, Latin hypercube, Sobol) serves every distribution.  Their sources are part of their declarations.
+(random, Latin hypercube, Sobol) serves every distribution.  Sources: Johnson, Kotz and Balakrishnan 1994 and
+1995 for all but the last, Devroye 1986 for discrete values.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from edl6dof.registry import Member
 from edl6dof.spatial import arrays
 from edl6dof.spatial.arrays import normal_quantile, normal_share
 
-#: Unit numbers are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
+#: Numbers in 0..1 are kept this far from 0 and 1, where a normal deviate is infinite: beyond 7 sigma.
 _EDGE = 1e-12
 _BOOK = "Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions"
 
 
 class DistributionParams(Params):
-    """Base of the parameters of a distribution; a field ``kind`` holds its name."""
+    """Base of the parameters of a distribution; the field ``kind`` has the name of the distribution."""
 
     def values(self, unit: np.ndarray, nominal: Any) -> np.ndarray:
-        """Values of numbers in 0..1, shape (n,), in the parameter's unit.
+        """Map numbers in 0..1, shape (n,), to values in the parameter's unit.
 
         Raises:
             ValueError: nothing can be drawn about this nominal value.
@@ -34,7 +35,7 @@ class DistributionParams(Params):
 
 
 def deviates(unit: np.ndarray) -> np.ndarray:
-    """Standard normal deviates of numbers in 0..1, finite at both ends."""
+    """Map numbers in 0..1 to standard normal deviates, finite at both ends."""
     return normal_quantile(_inside(unit))
 
 
@@ -71,7 +72,7 @@ class Normal(Spread):
     mean: float | None = param(None, "mean; the nominal value if not given")
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
-        """Values of unit numbers."""
+        """Map numbers in 0..1 to values."""
         mean = nominal if self.mean is None else self.mean
         return mean + self.deviation(nominal) * deviates(unit)
 
@@ -96,7 +97,7 @@ class TruncatedNormal(Spread):
         return self
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
-        """Values of unit numbers."""
+        """Map numbers in 0..1 to values."""
         mean, sigma = nominal if self.mean is None else self.mean, self.deviation(nominal)
         low, high = (
             (bound - mean) / sigma if bound is not None else end
@@ -136,7 +137,7 @@ class Uniform(DistributionParams):
         return self
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
-        """Values of unit numbers."""
+        """Map numbers in 0..1 to values."""
         if self.half_width is None:
             low, high = stated(self.low), stated(self.high)
         else:
@@ -148,14 +149,14 @@ UNIFORM = Member("uniform", Uniform, {}, f"{_BOOK} 2 (1995), chapter 26")
 
 
 class LogNormal(DistributionParams):
-    """The logarithm is normal: a factor up is as likely as the same factor down."""
+    """Normal distribution of the logarithm: a factor up is as likely as the same factor down."""
 
     kind: Literal["log_normal"] = param(REQUIRED, "log-normal")
     median: float | None = param(None, "median; the nominal value if not given", gt=0.0)
     sigma_ln: float = param(REQUIRED, "standard deviation of the natural logarithm", gt=0.0, le=5.0)
 
     def values(self, unit: np.ndarray, nominal: float) -> np.ndarray:
-        """Values of unit numbers."""
+        """Map numbers in 0..1 to values."""
         median = nominal if self.median is None else self.median
         if not median > 0.0:
             raise ValueError(f"needs a positive median (the nominal value is {median:g})")
@@ -184,7 +185,7 @@ class Discrete(DistributionParams):
         return self
 
     def values(self, unit: np.ndarray, nominal: Any) -> np.ndarray:
-        """Values of unit numbers."""
+        """Map numbers in 0..1 to values."""
         weights = np.ones(len(self.choices)) if self.weights is None else np.asarray(self.weights)
         steps = np.cumsum(weights) / np.sum(weights)
         chosen = np.minimum(np.searchsorted(steps, unit, side="right"), len(self.choices) - 1)

@@ -69,13 +69,13 @@ class Plan:
 
     @property
     def per_point(self) -> int:
-        """Cases at each point of the sweep and in each cell of the fault matrix; all cases without one."""
+        """Cases at each point of the sweep, or in each cell of the fault matrix; else all cases."""
         cases = 1 if self.campaign is None else self.campaign.cases
         return cases * (self.saltelli.width if self.saltelli is not None else 1)
 
     @cached_property
     def saltelli(self) -> SaltelliDesign | None:
-        """The design of Sobol indices, where the campaign asks for one."""
+        """The design of Sobol indices, ``None`` if the campaign asks for none."""
         columns = [_column(target) for draw in self.draws for target in draw.targets]
         return saltelli_design(self.campaign, columns) if self.campaign is not None else None
 
@@ -141,7 +141,7 @@ class Plan:
             yield from zip(draw.targets, draw.values(own), strict=True)
 
     def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
-        """Drawn faults of each case; they are rare, and so independent of the sampling plan."""
+        """Drawn faults of each case; they are rare, so they are drawn independently of the sampling plan."""
         found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
         if self.campaign is None:
             return found
@@ -162,7 +162,7 @@ def _column(target: Target) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """A number of Python, for JSON and Arrow."""
+    """Convert a numpy number to one of Python, for JSON and Arrow; leave any other value."""
     return value.item() if isinstance(value, np.generic) else value
 
 
@@ -243,7 +243,7 @@ def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Pl
 def _with_pins(
     loaded: LoadedScenario, draws: list[Draw], axes: list[tuple[Target, tuple[Any, ...]]]
 ) -> LoadedScenario:
-    """Write out the true values of those parameters of which only the belief differs."""
+    """Write the true values of parameters of which only the belief is dispersed into ``truth``."""
     targets = [*(target for draw in draws for target in draw.targets), *(target for target, _ in axes)]
     believed = [target.path for target in targets if target.of == "belief" and not truth_problem(target.path)]
     if not believed:

@@ -1,9 +1,9 @@
 """Numbers in 0..1 for every case and dispersed quantity, and the design of flights behind Sobol indices.
 
 Each number is a function of (seed, sampling plan, quantity, case) alone, so cases are the same in any order
-and after any break.  Random and Latin-hypercube numbers of a quantity depend on its name and not on its
-neighbours: a campaign with one dispersion more draws the same values for the others, which makes comparisons
-on common random numbers.
+and after any interruption.  Random and Latin-hypercube numbers of a quantity depend on its name and not on
+its neighbours: a campaign with one dispersion more draws the same values for the others, which makes
+comparisons on common random numbers.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _BLOCK = 1024
 def unit_numbers(
     sampling: str, seed: int, names: Sequence[str], cases: int, first: int, last: int
 ) -> np.ndarray:
-    """Unit numbers of cases ``first .. last - 1`` of ``cases``, shape (last - first, names)."""
+    """Numbers in 0..1 of cases ``first .. last - 1`` out of ``cases``, shape (last - first, names)."""
     if not names or last <= first:
         return np.zeros((max(last - first, 0), len(names)))
     if sampling == "sobol":
@@ -48,7 +48,7 @@ def _generator(seed: int, name: str, block: int = 0) -> Stream:
 
 @lru_cache(maxsize=1024)
 def _stratified(seed: int, name: str, cases: int) -> np.ndarray:
-    """Make a whole column of a Latin hypercube, 8 bytes for each case; columns are independent."""
+    """Make the column of a quantity of a Latin hypercube for all cases; columns are independent."""
     numbers = _generator(seed, name)
     stratum = np.argsort(numbers.uniform(cases), kind="stable")
     return (stratum + numbers.uniform(cases)) / cases
@@ -97,7 +97,7 @@ class SaltelliDesign:
 
     @property
     def width(self) -> int:
-        """Cases of a row."""
+        """Number of cases in each row of the design."""
         return len(self.groups) + 2
 
     def matrix(self, case: int) -> str:
@@ -105,11 +105,11 @@ class SaltelliDesign:
         return (A, B, *self.groups)[case % self.width]
 
     def profile(self, case: int) -> int:
-        """Number of its random profiles: those of A are the first, those of B follow."""
+        """Number of the random profiles of a case: first those of matrix A, then those of matrix B."""
         return case // self.width + self.rows * (self.matrix(case) in (B, PROFILES))
 
     def unit_numbers(self, start: int, stop: int) -> np.ndarray:
-        """Unit numbers of cases ``start .. stop - 1``, shape (stop - start, columns)."""
+        """Numbers in 0..1 of cases ``start .. stop - 1``, shape (stop - start, columns)."""
         columns = sum(map(len, self.groups.values()))
         first, last = start // self.width, -(-stop // self.width)
         both = sobol_numbers(self.seed, 2 * columns, first, last)
@@ -124,7 +124,9 @@ class SaltelliDesign:
 
 
 def saltelli_design(campaign: CampaignParams, columns: Sequence[str]) -> SaltelliDesign | None:
-    """The design of a campaign that asks for one; ``columns`` of the results, one for each unit number."""
+    """The design of a campaign that asks for Sobol indices, else ``None``; ``columns``: columns of the
+    results, one for each dispersed quantity.
+    """
     if campaign.sampling != "sobol_indices":
         return None
     section = campaign.model_dump(include={*get_args(Of), "correlated"})

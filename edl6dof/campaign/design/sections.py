@@ -50,11 +50,11 @@ else:  # the members, plugins included, are known only at run time
 
 
 class Correlated(Params):
-    """Parameters dispersed together, normally about their nominal values, by a matrix."""
+    """Parameters dispersed together: normally about their nominal values, with a covariance matrix."""
 
     of: Of = param("truth", "whose values differ: truth, belief or both")
     paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
-    three_sigma: list[float] | None = param(None, "three standard deviations of each, with correlation")
+    three_sigma: list[float] | None = param(None, "three standard deviations of each; needs correlation")
     correlation: list[list[float]] | None = param(None, "correlation matrix")
     covariance: list[list[float]] | None = param(
         None, "covariance matrix, instead of three_sigma and correlation"
@@ -92,7 +92,7 @@ class Correlated(Params):
 
 
 class FaultDraw(Params):
-    """Something that breaks in some of the flights."""
+    """A fault that happens in some of the flights."""
 
     chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
     one_of: list[dict[str, Any]] = param(
@@ -104,7 +104,7 @@ class FaultDraw(Params):
 class CampaignParams(Params):
     """Number of flights, and the differences of each from the scenario."""
 
-    cases: int = param(1000, "number of flights; of rows of a design of Sobol indices", ge=1, le=10_000_000)
+    cases: int = param(1000, "number of flights, or of rows of the Sobol design", ge=1, le=10_000_000)
     seed: int = param(1, "seed of the dispersions; the same seed gives the same cases", ge=0)
     sampling: Literal["monte_carlo", "latin_hypercube", "sobol", "sobol_indices"] = param(
         "monte_carlo",
@@ -118,16 +118,16 @@ class CampaignParams(Params):
     truth: dict[str, Distribution] = param(
         None,
         (
-            "dispersions of which the flight computer is not told, by dotted path; * stands for every item "
+            "dispersions that the flight computer does not know, by dotted path; * stands for every item "
             "of a list"
         ),
         factory=dict,
     )
     belief: dict[str, Distribution] = param(
-        None, "dispersions of what the flight computer is told, the truth staying", factory=dict
+        None, "dispersions of the flight computer's belief alone; the truth stays", factory=dict
     )
     both: dict[str, Distribution] = param(
-        None, "dispersions that are known to the flight computer", factory=dict
+        None, "dispersions of the truth that the flight computer knows", factory=dict
     )
     correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
     faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
@@ -140,14 +140,14 @@ class CampaignParams(Params):
 
 
 class Axis(Params):
-    """One axis of a grid."""
+    """One axis of a sweep: a parameter and its values."""
 
     path: str = param(REQUIRED, "dotted path")
     of: Of = param("both", "whose value it is: truth, belief or both")
     values: list[Any] | None = param(None, "the values", min_length=1)
-    first: float | None = param(None, "instead of values: the first")
-    last: float | None = param(None, "and the last")
-    count: int | None = param(None, "and how many, evenly spaced", ge=2, le=10_000)
+    first: float | None = param(None, "first value, instead of values")
+    last: float | None = param(None, "last value, with first")
+    count: int | None = param(None, "number of evenly spaced values from first to last", ge=2, le=10_000)
 
     @model_validator(mode="after")
     def _values_or_range(self) -> Self:
@@ -166,7 +166,7 @@ class Axis(Params):
 
 
 class SweepParams(Params):
-    """A grid over some parameters; with a campaign section, its cases are flown at every point."""
+    """A grid over some parameters; with a campaign section, all its cases are flown at every point."""
 
     axes: list[Axis] = param(
         REQUIRED, "the grid's axes, the last varying fastest", min_length=1, max_length=6
@@ -180,14 +180,14 @@ class SweepParams(Params):
 
 
 class FaultMoment(Params):
-    """A moment at which components fail, and what it is called."""
+    """A moment at which components fail, and its name."""
 
     name: Title = param(REQUIRED, "what the moment is called: 60 s, mortar, a phase")
     at: FaultStart = section("when the fault begins")
 
 
 class FaultGroup(Params):
-    """Components of one kind that fail in one way, at every one of some moments."""
+    """Components of one kind that fail in one way, one after the other at each of several moments."""
 
     kind: str = param(REQUIRED, "kind of fault")
     component: Component = param(REQUIRED, "kind of component that fails")
@@ -196,14 +196,14 @@ class FaultGroup(Params):
 
 
 class FaultMatrixParams(Params):
-    """Faults that are flown one by one, or several at once."""
+    """Faults of which each flight has one, or several at once."""
 
     groups: list[FaultGroup] = param(REQUIRED, "what fails, and when", min_length=1)
     together: int = param(1, "components that fail at the same moment", ge=1, le=4)
 
 
 class CampaignFile(Params):
-    """Sections of a scenario file about flying it many times."""
+    """Sections of a scenario file for many flights of the scenario."""
 
     campaign: CampaignParams | None = param(None, "dispersed flights")
     sweep: SweepParams | None = param(None, "flights on a grid")

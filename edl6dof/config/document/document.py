@@ -57,7 +57,7 @@ class Document:
 
 
 def _copied(data: Any) -> Any:
-    """Plain data with dicts and lists of its own, at a third of the cost of ``deepcopy``."""
+    """Copy plain data with new dicts and lists, at a third of the cost of ``deepcopy``."""
     if isinstance(data, dict):
         return {key: _copied(value) for key, value in data.items()}
     return [_copied(value) for value in data] if isinstance(data, list) else data
@@ -89,7 +89,7 @@ def refuse_replacing(document: Document, paths: Iterable[Keys]) -> None:
     """Refuse the tags ``!replace`` at ``paths``, which have no list below them.
 
     Raises:
-        ConfigError: there is one.
+        ConfigError: there is such a tag.
     """
     message = f"{REPLACE} needs a list to replace, and what this file extends has none here; leave it out"
     if problems := [document.problem(path, message) for path in sorted(paths, key=dotted)]:
@@ -97,7 +97,7 @@ def refuse_replacing(document: Document, paths: Iterable[Keys]) -> None:
 
 
 def _merge(base: Document, top: Document, path: Keys, above_path: Keys, unused: set[Keys]) -> None:
-    """Merge ``top`` at ``above_path`` into ``base`` at ``path``; a ``!replace`` in use leaves ``unused``."""
+    """Merge ``top`` at ``above_path`` into ``base`` at ``path``; applied ``!replace`` leave ``unused``."""
     below, above = _value_at(base.data, path), _value_at(top.data, above_path)
     if isinstance(above, list):
         _require_single_names(top, above_path, above)
@@ -135,7 +135,7 @@ def _require_single_names(top: Document, path: Keys, items: list[Any]) -> None:
 
 
 def _takes(below: Any, above: Any) -> bool:
-    """Return whether a mapping or list changes the value below rather than replaces it."""
+    """Return whether the mapping or list ``above`` changes ``below`` rather than replaces it."""
     if isinstance(above, list):
         return _all_named(above) and _all_named(below)
     if not isinstance(above, dict):
@@ -159,7 +159,7 @@ def _named(items: list[Any]) -> dict[Any, int]:
 
 
 def _copy_claims(base: Document, top: Document, path: Keys, above_path: Keys) -> None:
-    """Copy places and provenance of a value that was taken over."""
+    """Copy places and provenance of a value that ``base`` takes from ``top``."""
     depth, inside = len(above_path), dotted(above_path) + "."
     inner = {known: mark for known, mark in top.marks.items() if known[:depth] == above_path}
     base.marks |= {(*path, *known[depth:]): mark for known, mark in inner.items()}

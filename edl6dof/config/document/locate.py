@@ -25,13 +25,13 @@ def shipped_folders(kind: str) -> list[Path]:
     if kind not in KINDS:
         raise ValueError(f"unknown kind {kind!r}: {', '.join(KINDS)}")
     repository = PACKAGE.parent
-    # A folder called "scenarios" beside an installed package belongs to somebody else.
+    # A folder called "scenarios" next to an installed package belongs to somebody else.
     beside = [repository / kind] if (repository / "pyproject.toml").is_file() else []
     return [*beside, PACKAGE / "share" / kind, PACKAGE / "data" / kind]
 
 
 def shipped_names(kind: str) -> list[str]:
-    """Names of all shipped files of one kind, sorted; ``folder/name`` for one in a folder of them."""
+    """Names of all shipped files of one kind, sorted; ``folder/name`` for a file in a subfolder."""
     found = ((folder, file) for folder in shipped_folders(kind) for file in folder.rglob("*" + SUFFIX))
     return sorted({file.relative_to(folder).with_suffix("").as_posix() for folder, file in found})
 
@@ -46,7 +46,7 @@ def find_shipped(kind: str, name: str) -> Path | None:
 
 
 def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list[Path]]:
-    """The file that an include key names, and the places searched.
+    """Find the file that an include key names; return it, or ``None``, and the places searched.
 
     A bare name is searched among the files of its kind first, so that scenario and vehicle may share a name.
 
@@ -78,7 +78,7 @@ def resolve_scenario(name_or_path: str | Path) -> Path:
     """The scenario file of a path, of ``scenarios/NAME.yaml`` from any directory, or of a shipped name.
 
     Raises:
-        ConfigError: no such file; with the names of similar shipped scenarios.
+        ConfigError: no such file; the message has the names of similar shipped scenarios.
     """
     text = str(name_or_path)
     path = Path(text)

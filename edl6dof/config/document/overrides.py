@@ -69,7 +69,7 @@ def _with(
     model: type[BaseModel],
     read: Callable[[Any], Any],
 ) -> Document:
-    """A copy with changes: path, value before ``read``, and the place where it was given."""
+    """A copy with changes: path, value for ``read`` to convert, and the place where the value was given."""
     result, problems = document.copy(), list[Problem]()
     for path, given, mark in changes:
         try:

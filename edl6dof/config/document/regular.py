@@ -17,7 +17,7 @@ def read_regular(path: Path, largest: int = LARGEST_TABLE) -> bytes:
     """Content of a regular file of at most ``largest`` bytes.
 
     Raises:
-        OSError: it is missing, a folder, a device, a pipe or a socket, or too large (see ``strerror``).
+        OSError: the file is missing, a folder, a device, a pipe or a socket, or too large (see ``strerror``).
     """
     found = os.stat(path)  # before it is opened: opening some devices does something
     if not stat.S_ISREG(found.st_mode) and not stat.S_ISDIR(found.st_mode):
@@ -38,6 +38,6 @@ def read_regular_text(path: Path, largest: int = LARGEST_TABLE, encoding: str = 
 
     Raises:
         OSError: as :func:`read_regular`.
-        UnicodeDecodeError: it is not text in that encoding.
+        UnicodeDecodeError: the file is not text in that encoding.
     """
     return read_regular(path, largest).decode(encoding)

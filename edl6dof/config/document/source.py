@@ -13,6 +13,7 @@ from pathlib import Path
 
 from edl6dof.config.document.document import EXTENDS, Document, lay_over, refuse_replacing
 from edl6dof.config.document.locate import (
+    PACKAGE,
     find_include,
     find_shipped,
     near_names,
@@ -51,7 +52,25 @@ def read_document(path: str | Path, includes: Mapping[str, str] = INCLUDES) -> D
     Raises:
         ConfigError: every mistake of all files, except those of parameters.
     """
-    return _read(Path(path), includes, ())
+    document = _read(Path(path), includes, ())
+    if "planet" in includes and "atmosphere" not in document.data:
+        _add_air(document)
+    return document
+
+
+def _add_air(document: Document) -> None:
+    """Give a scenario without an atmosphere that of its planet, and its wind unless the scenario has one."""
+    planets = [file for file in document.files if file.parent == PACKAGE / "data" / "planets"]
+    air = PACKAGE / "data" / "air" / planets[-1].name if planets else None
+    if air is None or not air.is_file():
+        return
+    part = parse_document(_read_text(air), shown(air))
+    document.files += (air,)
+    for section in part.data.keys() - document.data.keys():
+        document.data[section] = part.data[section]
+        document.marks.update({path: mark for path, mark in part.marks.items() if path[:1] == (section,)})
+        for claims, more in ((document.status, part.status), (document.sources, part.sources)):
+            claims.update({path: text for path, text in more.items() if path.partition(".")[0] == section})
 
 
 def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]) -> Document:
@@ -79,7 +98,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
 
 
 def _name_after(path: Path, scenario: Document, top: Document) -> None:
-    """Name a scenario without a name of its own that extends another after its file."""
+    """Name a scenario that extends another and has no name of its own after its file."""
     if NAME in scenario.data and NAME not in top.data and why_no_folder(path.stem) is None:
         scenario.forget((NAME,))
         scenario.data[NAME] = path.stem
@@ -110,7 +129,7 @@ def parse_document(text: str, file: str) -> Document:
 
 @lru_cache(maxsize=16)
 def _parsed(text: str, file: str) -> Document:
-    """The document of a text, read once: many scenarios share a vehicle, many flights a scenario."""
+    """The document of a text, cached: many scenarios share a vehicle, many flights a scenario."""
     tree = parse_yaml(text, file)
     if tree.data is None:
         raise ConfigError([Problem(file, 1, 1, "", "the file is empty")])

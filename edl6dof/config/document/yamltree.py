@@ -1,6 +1,6 @@
 """YAML text to plain data plus the place and the provenance mark of every key.
 
-The parser's events are walked here instead of loading a dict, because only they know lines, duplicate keys,
+The parser's events are walked here instead of loading a dict, because only events have lines, duplicate keys,
 aliases and tags.  Plain scalars are those of the YAML 1.2 core schema: PyYAML follows YAML 1.1, where ``1e5``
 is text, ``on`` a boolean and ``1_000`` a number.
 """
@@ -47,7 +47,7 @@ BOOLEAN_WORDS = {
 
 
 class Mark(NamedTuple):
-    """A place in a file, counted from 1; line 0 where there are none, as in a command line option."""
+    """A place in a file, counted from 1; line 0 where there are no lines, as in a command line option."""
 
     file: str
     line: int = 0

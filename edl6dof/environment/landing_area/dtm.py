@@ -33,18 +33,20 @@ class DtmParams(Params):
     file: str = param(
         "", "ESRI ASCII grid (.asc) or GeoTIFF (.tif), an absolute path; empty for none", record=False
     )
-    reach_m: float = param(1000.0, "from the site to the edges of the square", record=False, ge=10.0, le=50e3)
+    reach_m: float = param(
+        1000.0, "distance from the site to the edges of the square", record=False, ge=10.0, le=50e3
+    )
     coordinates: Literal["site_metres", "degrees"] = param(
         "site_metres",
-        "what an ASCII grid counts in: m east and north of the site, or deg of longitude and latitude",
+        "coordinates of an ASCII grid: m east and north of the site, or deg of longitude and latitude",
         record=False,
     )
 
 
 @kernel
 def with_dtm(dtm, site_elevation, north, east, below):
-    """Elevation (m) and rise per metre towards north and east of the model at a place (m from the site),
-    where there is one; ``below``: the same three of the map.
+    """Elevation (m) and rise per metre towards north and east of the ground at a place (m from the site):
+    those of the model where it reaches, else ``below``, those of the map.
     """
     edge = _EDGE * dtm.reach
     off = max(abs(north), abs(east))
@@ -91,7 +93,7 @@ class Square(NamedTuple):
 
 
 class DtmFile(NamedTuple):
-    """A file as it is on disk now, what it counts in if it does not say so itself, and the square wanted."""
+    """File of a model as it is on disk, coordinates where the format has none, and the square to cut out."""
 
     file: MapFile
     coordinates: str
@@ -112,12 +114,12 @@ class Raster(NamedTuple):
 
 @lru_cache(maxsize=4)
 def read_dtm(source: DtmFile) -> np.void:
-    """The model, ``DTM``, shared and read-only.
+    """Read a model, ``DTM``, shared and read-only.
 
     Raises:
         OSError: the file cannot be read.
-        ValueError: it is no such grid, or does not cover the square.
-        ModuleNotFoundError: it is a GeoTIFF, and rasterio is not installed.
+        ValueError: the file is no grid of heights, or does not cover the square.
+        ModuleNotFoundError: the file is a GeoTIFF, and rasterio is not installed.
     """
     path, square = source.file.path, source.square
     away = np.linspace(-square.reach, square.reach, NODES)
@@ -216,7 +218,7 @@ def _in_its_coordinates(name: str, data: Any, latitude: np.ndarray, longitude: n
 
 
 def _window(name: str, data: Any, x: np.ndarray, y: np.ndarray) -> Raster:
-    """The part of a dataset that holds some places, no finer than they need it."""
+    """Part of a dataset that contains some places, read no finer than their spacing."""
     from rasterio.enums import Resampling
     from rasterio.windows import Window
 
@@ -237,7 +239,9 @@ def _window(name: str, data: Any, x: np.ndarray, y: np.ndarray) -> Raster:
 
 
 def _sampled(name: str, raster: Raster, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Heights of a raster at places in its coordinates: bilinear, means of blocks where it is finer."""
+    """Heights of a raster at places in its coordinates: bilinear; of block means where the raster is finer
+    than the places.
+    """
     skip = max(int(np.ptp(x) / (NODES - 1) / abs(raster.step_x)), 1)
     if skip > 1:
         raster = _coarser(raster, skip)
@@ -254,7 +258,7 @@ def _sampled(name: str, raster: Raster, x: np.ndarray, y: np.ndarray) -> np.ndar
 
 
 def _coarser(raster: Raster, skip: int) -> Raster:
-    """Means of blocks of ``skip`` by ``skip``; what is left over at the far edges is left out."""
+    """Means of blocks of ``skip`` by ``skip``; an incomplete block at the far edges is left out."""
     rows, columns = (n // skip for n in raster.heights.shape)
     blocks = raster.heights[: rows * skip, : columns * skip].reshape(rows, skip, columns, skip)
     half = 0.5 * (skip - 1)

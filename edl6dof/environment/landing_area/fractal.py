@@ -1,9 +1,8 @@
-"""Fractal relief: two periodic tiles of noise whose spectrum is a power law, laid beside each other without
-end.
+"""Fractal relief: two periodic tiles of noise whose spectrum is a power law, repeated without end.
 
-The fine tile has a value at every node of the lattice, the coarse one at every 16th, linear between; each
-has the wavelengths that the other has not.  Amplitudes follow the law exactly and phases are random, so that
-the mean square of height differences is that of the law for every pair of tiles.
+The fine tile has a value at every node of the lattice, the coarse one at every 16th, linear between; the two
+have no wavelength in common.  Amplitudes follow the law exactly and phases are random, so that the mean
+square of height differences is that of the law for every pair of tiles.
 Source: spectral synthesis: Saupe, in Peitgen and Saupe, The Science of Fractal Images (1988), section 2.5;
 RMS slope and Hurst exponent: Shepard et al., J. Geophys. Res. 106(E12), 32777 (2001).
 Left out: wavelengths beyond the coarse tile (819 m at a lattice of 0.1 m); its pattern repeats there.
@@ -25,7 +24,7 @@ from edl6dof.spatial.random_numbers import Stream
 NODES = 512
 #: Nodes of the lattice from one node of the coarse tile to the next.
 COARSE_CELLS = 16
-#: Wavelength, in cells of the lattice, that parts what is in the two tiles.
+#: Wavelength, in cells of the lattice, that separates the two tiles.
 SPLIT = 256.0
 TILES = record(("coarse", "f4", (NODES, NODES)), ("fine", "f4", (NODES, NODES)))
 _LAST, _INNER = NODES - 1, COARSE_CELLS - 1
@@ -71,7 +70,7 @@ def _fractal_run(area, tiles, a, b, step_a, step_b, heights):
 
 @kernel
 def in_tiles(area, i, j):
-    """Place of a node in the tiles, turned and mirrored as the area lays them, without its offsets."""
+    """Indices of a node in the tiles of this area, turned and mirrored; without ``area.offset``."""
     a, b = (j, i) if area.turn & 1 else (i, j)
     return -a if area.turn & 2 else a, -b if area.turn & 4 else b
 
@@ -99,7 +98,7 @@ def _height(area, fine, corners, u, t):
 
 @lru_cache(maxsize=4)
 def fractal_tiles(hurst: float) -> np.void:
-    """The two tiles, ``TILES``, in one unit of height that only :func:`unit_slope` knows."""
+    """The two tiles, ``TILES``, in a common unit of height; :func:`unit_slope` gives its size."""
     record = np.zeros(1, TILES)
     for name, spacing in _SPACINGS.items():
         turns = Stream(0, int(spacing), GROUND_STREAM).uniform((NODES, NODES))
@@ -117,7 +116,7 @@ def fractal_tiles(hurst: float) -> np.void:
 
 @lru_cache(maxsize=64)
 def unit_slope(hurst: float, baseline: float) -> float:
-    """RMS difference of height of the tiles over ``baseline`` cells of the lattice, divided by it."""
+    """RMS height difference of the tiles over ``baseline`` cells of the lattice, divided by ``baseline``."""
     square = 0.0
     for name, spacing in _SPACINGS.items():
         differ = 2.0 - 2.0 * arrays.cos(2.0 * np.pi * np.fft.fftfreq(NODES, spacing) * baseline)

@@ -1,5 +1,5 @@
-"""Craters and rocks, scattered over the ground at random, each with a place, a diameter and a character:
-their forms, how they join the ground that is there already, and where they are.
+"""Craters and rocks, scattered over the ground at random: their shapes, how they change the ground below
+them, and their places.  Each has a place, a diameter and a character, 0 .. 1: the freshness of a crater.
 
 A fresh crater is a bowl with a raised rim, a worn one a smooth hollow without rim; any mixture of the two is
 as likely as any other [E].  Rocks are half-ellipsoids in the numbers of Golombek's law: those of diameter D
@@ -75,7 +75,7 @@ def rock_height(diameter, square):
 
 @kernel
 def with_member(population, height, diameter, character, square):
-    """Height (m) of the ground ``height`` with a member: a crater adds to it, of rocks the highest stands."""
+    """Height (m) of the ground ``height`` with a member: craters add up, of rocks the highest counts."""
     if population.stands:
         return max(height, rock_height(diameter, square))
     return height + crater_height(diameter, character, square)
@@ -88,15 +88,15 @@ POPULATION = record(
     ("n", "i8"),  # classes
     ("exponent", "f8"),
     ("decay", "f8"),  # per m
-    ("reach", "f8"),  # from the middle of a member to where it ends, in its diameters
-    ("stands", FLAG),  # its members stand on the ground, instead of being part of its form
+    ("reach", "f8"),  # distance from the middle of a member to its edge, in diameters
+    ("stands", FLAG),  # 1: members stand on the ground (rocks); 0: they change its shape (craters)
     ("key", "i8", (MAX_CLASSES,)),
     ("smallest", "f8", (MAX_CLASSES,)),  # m
     ("largest", "f8", (MAX_CLASSES,)),  # m
     ("cell", "f8", (MAX_CLASSES,)),  # m: side of its cells
-    ("mean", "f8", (MAX_CLASSES,)),  # members drawn in a cell
-    ("empty", "f8", (MAX_CLASSES,)),  # probability that none is
-    ("filled", "u8", (MAX_CLASSES,)),  # random bits of a cell from which on one is at least
+    ("mean", "f8", (MAX_CLASSES,)),  # mean number of members drawn in a cell
+    ("empty", "f8", (MAX_CLASSES,)),  # probability that a cell is empty
+    ("filled", "u8", (MAX_CLASSES,)),  # least random bits of a cell with a member
 )
 _32, _11 = np.uint64(32), np.uint64(11)
 _LOW = np.uint64(0xFFFF_FFFF)
@@ -104,13 +104,15 @@ _LOW = np.uint64(0xFFFF_FFFF)
 
 @kernel
 def first_cell(population, k, place):
-    """Lower of the two cells of class ``k`` with all that reaches the lattice cell from ``place`` (m) on."""
+    """Lower of the two cells of class ``k`` with all members that reach the lattice cell from ``place`` (m)
+    on.
+    """
     return endless_cell((place - population.reach * population.largest[k]) / population.cell[k])
 
 
 @kernel
 def last_cell(population, k, place):
-    """Last cell (northmost or eastmost) of class ``k`` that holds what reaches back to ``place`` (m)."""
+    """Last cell (northmost or eastmost) of class ``k`` with members that reach back to ``place`` (m)."""
     return endless_cell((place + population.reach * population.largest[k]) / population.cell[k])
 
 
@@ -122,7 +124,7 @@ def cell_bits(population, k, i, j):
 
 @kernel
 def drawn_in(population, k, bits):
-    """How many members are drawn in the cell of class ``k`` that has these bits."""
+    """Number of members drawn in the cell of class ``k`` with these random bits."""
     if bits < population.filled[k]:
         return 0
     share = float(bits >> _11) * 2.0**-53
@@ -138,7 +140,7 @@ def drawn_in(population, k, bits):
 @kernel
 def member(population, k, bits, i, j, n):
     """Member ``n`` of those drawn in the cell (``i``, ``j``) of class ``k``: its place north and east (m),
-    its diameter (m; 0: it did not stay) and its character, 0 .. 1.
+    its diameter (m; 0: removed by thinning) and its character, 0 .. 1.
     """
     north, east = place_of_member(population, k, bits, i, j, n=n)
     diameter, character = size_of_member(population, k, bits, n)
@@ -170,7 +172,7 @@ def size_of_member(population, k, bits, n):
 
 class Law(NamedTuple):
     """A population: amount, exponent and decay (per m) of its number per m2 and m of diameter; smallest and
-    largest diameter (m); and from the middle of a member to where it ends, in its diameters.
+    largest diameter (m); and distance from the middle of a member to its edge, in diameters.
     """
 
     amount: float
@@ -244,9 +246,9 @@ def within(population, north, east, radius, smallest):
 
 @kernel
 def list_within(population, south, west, side, found):
-    """The members whose middles lie in a square (m, from its south-west corner) into the rows of ``found``:
-    place north and east (m), diameter (m), character; returns how many there are, of which those beyond the
-    rows are not written.
+    """List the members whose middles lie in a square (m, from its south-west corner) in the rows of
+    ``found``: place north and east (m), diameter (m), character.  Returns the number of members; those beyond
+    the last row are not written.
     """
     count = 0
     for k in range(population.n):

@@ -17,14 +17,14 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.table_index import endless_cell
 
-#: Nodes between which, both ways, what is coarser than the landing area is drawn straight: off it by a few
-#: millimetres where that bends.
+#: Spacing, in nodes, at which the ground coarser than the landing area is evaluated; linear interpolation
+#: between errs by a few millimetres.
 _APART = 8
 #: Most nodes of a row.
 LONGEST = 512
 
-#: What a raster is worked out with: heights (m) of a row's fractal relief, and, every ``_APART`` nodes of two
-#: rows, of what is coarser than the landing area.
+#: Scratch of a raster: heights (m) of the fractal relief of a row, and, every ``_APART`` nodes of two rows,
+#: of the ground coarser than the landing area.
 RASTER_WORK = record(
     ("fractal", "f8", (LONGEST,)),
     ("south", "f8", (LONGEST // _APART + 1,)),
@@ -34,8 +34,9 @@ RASTER_WORK = record(
 
 @kernel
 def lay_raster(terrain, grid, north, east, heights, work):
-    """Lay the ground into ``heights`` (f4, m above the site's elevation): at the nodes of the lattice, rows
-    from the south, columns from the west, at most ``LONGEST``; ``work``: ``RASTER_WORK`` record.
+    """Write the heights of the ground into ``heights`` (f4, m above the site's elevation): at the nodes of
+    the lattice, rows from the south, columns from the west, at most ``LONGEST``; ``work``: ``RASTER_WORK``
+    record.
 
     Returns:
         The place (m north and east of the site) of the first node: the nearest to ``north`` and ``east``.
@@ -60,7 +61,9 @@ def lay_raster(terrain, grid, north, east, heights, work):
 
 @kernel
 def _finish_row(area, tiles, i, j, up, heights, work):
-    """Put the ground under craters and rocks of a row, at the share ``up`` between those of ``work``."""
+    """Add relief and coarser ground to the craters and rocks of a row, at the share ``up`` between the rows
+    ``south`` and ``north`` of ``work``.
+    """
     count, north, south = heights.shape[0], work.north, work.south
     fractal_row(area, tiles, i, j, work.fractal[:count])
     whole = _share_of_node(area, i, j) == 1.0 and _share_of_node(area, i, j + count) == 1.0
@@ -75,13 +78,13 @@ def _finish_row(area, tiles, i, j, up, heights, work):
 
 @kernel
 def _share_of_node(area, i, j):
-    """Share of the relief that is left at a node."""
+    """Share of the relief at a node: 1, fading to 0 at the edge of the area."""
     return share_at(area, i * area.cell, j * area.cell)
 
 
 @kernel
 def _lay_regional(terrain, grid, i, j, count, heights):
-    """Write heights (m above the site's elevation) of what is coarser than the landing area, at every
+    """Write heights (m above the site's elevation) of the ground coarser than the landing area, at every
     ``_APART``th of ``count`` nodes of a row from the node (``i``, ``j``) on, and at the one beyond.
     """
     step = terrain.landing_area.cell

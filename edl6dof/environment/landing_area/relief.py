@@ -45,10 +45,10 @@ class LandingAreaParams(Params):
     """Relief around the site that is finer than the map: none, or generated for each case."""
 
     model: Literal["none", "generated"] = param(
-        "none", "generated: fractal relief, craters and rocks, other ones in each case"
+        "none", "generated: fractal relief, craters and rocks, different in each case"
     )
     extent_m: float = param(
-        20e3, "distance from the site, north and east, up to which it reaches", gt=FADE, le=100e3
+        20e3, "distance from the site, north and east, to the edge of the relief", gt=FADE, le=100e3
     )
     cell_m: float = param(0.1, "distance of the nodes of its lattice", ge=0.05, le=1.0)
     hurst: float = param(
@@ -67,7 +67,7 @@ class LandingAreaParams(Params):
     )
     crater_exponent: float = param(
         2.0,
-        "their number per area falls with diameter to this power (2: equilibrium, 3: production)",
+        "the number of craters above a diameter falls with this power of it (2: equilibrium, 3: production)",
         status="recalled",
         source="lunar equilibrium: Trask, JPL TR 32-800 (1966)",
         ge=1.5,
@@ -121,7 +121,7 @@ def fill_landing_area(
 
 
 def landing_area_problems(params: LandingAreaParams) -> dict[str, str]:
-    """Key to message of numbers that do not fit together."""
+    """Messages about parameters that contradict each other, by key."""
     found = {}
     for name, law in _laws(params).items():
         one = name.removesuffix("s")
@@ -174,8 +174,8 @@ def relief(area, tiles, north, east):
 def corners(area, tiles, i, j):
     """Heights (m) of the corners of the cell whose south-west node is (``i``, ``j``): sw, se, nw, ne.
 
-    The height of a node does not depend on which cell it is a corner of: all that reaches it is met in the
-    same order from each.
+    The height of a node does not depend on which cell it is a corner of: all members that reach it are added
+    in the same order from each cell.
     """
     sw, se, nw, ne = heights_at_corners(area, area.craters, i, j)
     rocks = heights_at_corners(area, area.rocks, i, j)
@@ -189,7 +189,7 @@ def corners(area, tiles, i, j):
 
 @kernel
 def node_height(area, tiles, i, j, craters, rocks):
-    """Height (m) of the node (``i``, ``j``) that craters and rocks give these heights."""
+    """Height (m) of the node (``i``, ``j``): fractal relief plus heights ``craters`` and ``rocks`` (m)."""
     share = share_at(area, i * area.cell, j * area.cell)
     return share * (fractal_at(area, tiles, i, j) + craters + rocks)
 

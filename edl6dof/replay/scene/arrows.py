@@ -25,11 +25,11 @@ AXES: tuple[RGB, ...] = ((255, 110, 110), (120, 230, 120), (130, 150, 255))
 BODY_AXES, VELOCITY_AXES, LONGEST, AHEAD, WAY = 0.6, 0.85, 0.9, 0.42, 0.62
 #: Radius of the disc that the vehicle covers, in its diameters.
 COVERED = 0.55
-#: Share of the time in which an arrow is no longer than the longest one: a shock may be.
+#: Share of the time in which an arrow has at most the longest length: a shock may exceed it.
 USUAL = 0.99
 #: Shortest arrow that is drawn, in the vehicle's diameters.
 LEAST = 0.006
-#: Share of the aerodynamic force below which none of it is lift: a sphere has none.
+#: Share of the aerodynamic force below which lift counts as zero, as that of a sphere.
 _NO_LIFT = 1e-3
 #: Least height of a view for which the boxes are laid out, px.
 VIEW_PX = 300.0
@@ -41,7 +41,7 @@ STEP, MOST_STEPS = 0.12, 24
 
 
 class Arrow(NamedTuple):
-    """An arrow at each row: values in L, shape (rows, 3), rows in which it is shown, and value of 1 m."""
+    """An arrow: values in L, shape (rows, 3), rows in which it is shown, and value that 1 m stands for."""
 
     name: str
     colour: RGB
@@ -128,7 +128,7 @@ class Arrows(Recorder):
 
 
 def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
-    """Return those of lift, thrust (N) and disturbance torque (N m) that ever act, at some rows."""
+    """Return the arrows of lift, thrust (N) and disturbance torque (N m) at some rows, if ever not zero."""
     columns, turn = flight.columns, motion.rotation[rows]
     way = _way(motion, rows)[0]
     force = turns.rotate(turn, vector(columns, "truth.aero_force", "x y z", "_n")[rows])
@@ -152,7 +152,7 @@ def forces(flight: History, motion: Motion, rows: np.ndarray) -> list[Arrow]:
 
 
 def scales(flight: History, motion: Motion) -> str:
-    """Return the values of 1 m of the arrows, as text."""
+    """Return the value that 1 m of each arrow stands for, as text."""
     rows = thin(flight.t, SCALAR_HZ)
     by_scale: dict[str, list[str]] = {}
     for arrow in forces(flight, motion, rows):
@@ -187,7 +187,7 @@ class Screen(NamedTuple):
     Attributes:
         eye: place of the eye from the vehicle, m.
         right, up: unit vectors of the plane.
-        metres_per_px: in a view of the least height.
+        metres_per_px: metres per pixel in a view of the least height.
     """
 
     eye: np.ndarray
@@ -196,14 +196,14 @@ class Screen(NamedTuple):
     metres_per_px: float
 
     def seen(self, places: np.ndarray) -> np.ndarray:
-        """Return where places (m from the vehicle), shape (..., 3), appear, m, shape (..., 2)."""
+        """Project places, shape (..., 3), as seen from the eye onto the plane, shape (..., 2), both m."""
         distance = np.linalg.norm(self.eye)
         depth = np.maximum(distance - places @ self.eye / distance, 0.1 * distance)
         flat = np.stack([places @ self.right, places @ self.up], axis=-1)
         return flat * (distance / depth)[..., None]
 
     def placed(self, points: np.ndarray) -> np.ndarray:
-        """Return places on the plane, m from the vehicle, shape (..., 3)."""
+        """Return points of the plane (m, shape (..., 2)) as places, m from the vehicle, shape (..., 3)."""
         return points[..., :1] * self.right + points[..., 1:] * self.up
 
     def box(self, letters: int) -> np.ndarray:
@@ -213,7 +213,7 @@ class Screen(NamedTuple):
 
     @property
     def below(self) -> np.ndarray:
-        """From a label's place to the middle of its box, m."""
+        """Vector from a label's place to the middle of its box, m on the plane."""
         return np.array([0.0, -BELOW_PX * self.metres_per_px])
 
 
@@ -249,7 +249,7 @@ def laid_out(plane: Screen, craft: float, labels: list[Label]) -> tuple[np.ndarr
     for k, label in enumerate(labels):
         size = np.linalg.norm(label.end, axis=-1, keepdims=True)
         way = np.where(size > 1e-3 * craft, label.end / np.maximum(size, 1e-9), [0.0, 1.0])
-        # the middle of the box as far beyond the end as the box reaches that way
+        # distance from the end to the box's middle: the box's extent in that direction
         beyond = np.min(boxes[k] / np.maximum(np.abs(way), 1e-3), axis=-1, keepdims=True)
         # boxes are wider than high: they pass each other above and below
         aside = np.where(way >= 0.0, 1.0, -1.0) * np.maximum(np.abs(way) * [0.4, 1.0], [0.0, 0.6])

@@ -61,7 +61,7 @@ class Vehicle(Recorder):
             self._failure(jet)
 
     def _aeroshell(self) -> None:
-        """Write the entry vehicle: pieces that are parts leave, others stay."""
+        """Write the entry vehicle: pieces that are discarded parts disappear at release, others stay."""
         motion, shape = self.motion, self.motion.shape
         parts = (self.vehicle.showing("capsule"), self.vehicle.showing("backshell"))
         front, back = (None if part is None else part.name for part in parts)
@@ -77,8 +77,8 @@ class Vehicle(Recorder):
     def _piece(
         self, name: str, part: str | None, mesh: Mesh, place: np.ndarray, cold: np.ndarray | None = None
     ) -> None:
-        """Write one piece until its release, glowing if its ``cold`` tint is given; one that is no part only
-        without the user's own mesh.
+        """Write one piece until its release, glowing if its ``cold`` tint is given.  A piece that is no part
+        (``None``) is left out if the user has a mesh for the vehicle.
         """
         entity, own = f"{self.root}/vehicle/{name}", self.own_mesh(part)
         if part is None and own is not None:
@@ -100,7 +100,7 @@ class Vehicle(Recorder):
         self.columns(entity, self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
     def _legs(self) -> None:
-        """Write the legs as they extend, and once they stand: compressed as the ground demands."""
+        """Write the legs as they extend, compressed by the ground once they stand on it."""
         pads, shape = np.array(self.vehicle.landing_gear.footpads_m).reshape(-1, 3), self.motion.shape
         since, out = self._legs_out(), shapes.legs(self.vehicle, shape, np.zeros(len(pads)))
         if since is None or out is None or self.own_mesh(None) is not None:
@@ -111,7 +111,7 @@ class Vehicle(Recorder):
             self.at(self.t[np.argmax(touching)], entity, self.mesh(pressed))
 
     def _legs_out(self) -> float | None:
-        """Time at which the legs show: extended by the mission, else without the heat shield."""
+        """Time (s) at which the legs appear: the mission extends them, else the heat shield is released."""
         events = self.flight.scenario.mission.events.values()
         if any(event.action == "extend" and event.component == "landing_gear" for event in events):
             return self.when.get("landing_legs")
@@ -137,7 +137,7 @@ class Vehicle(Recorder):
             self.at(self.t[released], f"{self.root}/backshell/trim_wing", mesh, last)
 
     def _failure(self, jet: Any) -> None:
-        """Write a failed thruster in red, with a mark outside the hull that names the fault once isolated."""
+        """Write a failed thruster in red, with a mark outside the hull that names an isolated fault."""
         entity = f"{self.root}/vehicle/failed/{jet.name}"
         place = np.array(jet.position_m) + 0.35 * np.array([0.0, *jet.position_m[1:]])
         failed = self.flight.failures.get(jet.name, np.zeros(0))
@@ -209,7 +209,7 @@ class Flames(Recorder):
     """Writes ``vehicle/thruster_plumes``, ``vehicle/thruster_sparks`` and ``vehicle/engine_plume``."""
 
     def motions(self) -> None:
-        """Write their shapes from the first time that one burns, and their lengths."""
+        """Write the shapes of the flames from the first one on, and their lengths over time."""
         self._thrusters()
         self._engines()
 
@@ -269,12 +269,12 @@ class Flames(Recorder):
 def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rows in which something fires, or has just stopped.
 
-    The latter show one flame too small to see: the viewer takes an empty row for one instance in the default
-    pose.
+    A row in which it has just stopped shows one flame too small to see: the viewer takes an empty row for one
+    instance in the default pose.
 
     Args:
-        length: of the flames, shape (rows, nozzles).
-        firing: which of them burn.
+        length: lengths of the flames, m, shape (rows, nozzles).
+        firing: True for each burning flame, shape (rows, nozzles).
 
     Returns:
         lengths and shown flames of the rows kept, and the kept rows.

@@ -24,7 +24,8 @@ DARK: RGB = (58, 60, 68)
 PANEL: RGB = (38, 52, 110)
 ORANGE: RGB = (226, 92, 40)
 SHIELD: RGB = (255, 214, 176)
-#: Colours by segment around and step along a profile; parts by base and scale.
+#: Function from segment (around the axis) and step (along a profile) to a colour; function from the station
+#: of the base (m) and a scale to a mesh.
 Paint = Callable[[int, int], RGB]
 Builder = Callable[[float, float], Mesh]
 #: Radius (m) of the aeroshell that a lander of scale one fits into, and the room kept around it (share).
@@ -44,7 +45,7 @@ def _gores(each: int) -> Paint:
 
 
 def heat_shield(shape: Outline) -> Mesh:
-    """Return a sphere-cone forebody with its shoulder, closed behind; light, for its temperature tints it."""
+    """Return a sphere-cone forebody with its shoulder, closed behind; light, so that heat can tint it."""
     nose, knee, edge = (shape.forebody[k] for k in (0, 6, -1))
     thick = 0.018 * edge[1]
     rim = (edge[0] + 0.6 * thick, edge[1] - 1.6 * thick)
@@ -95,7 +96,9 @@ def wing_hinge(vehicle: VehicleParams, shape: Outline) -> tuple[np.ndarray, floa
 
 
 def wing_axes(vehicle: VehicleParams, shape: Outline, opening: np.ndarray) -> np.ndarray:
-    """Return the wing's axes in B as columns, shape (..., 3, 3): closed along the backshell, open square."""
+    """Return the wing's axes in B as columns, shape (..., 3, 3): along the backshell at ``opening`` 0,
+    perpendicular to the axis at 1.
+    """
     flank = shape.flank_angle if shape.afterbody else 0.0
     swing = (1.0 - opening) * (0.5 * pi + flank)
     ahead = np.array([1.0, 0.0, 0.0])
@@ -227,7 +230,7 @@ def bell(engine: Any, scale: float) -> Mesh:
 
 
 def legs(vehicle: VehicleParams, shape: Outline, stroke: np.ndarray) -> Mesh | None:
-    """Return legs at the footpads, each compressed by its ``stroke`` (m); ``None`` without any."""
+    """Return legs at the footpads, each compressed by its ``stroke`` (m); ``None`` without footpads."""
     if shape.lander not in ("legs", "rover") or not vehicle.landing_gear.footpads_m:
         return None
     scale = shape.radius / _RADIUS

@@ -31,10 +31,10 @@ KINDS_OF_ROCK = 4
 _TARGET_M = 10e3
 #: Heights (m) below which there is a shadow, and over which it fades by e.
 _SHADOW_BELOW, _FADES = 300.0, 60.0
-#: Opacity of each of the discs that a shadow is made of, and their radii over its own: a soft edge.
+#: Opacity of each of the discs that form a shadow, and their radii relative to the shadow's: a soft edge.
 _OPACITY, _LAYERS = 0.26, (1.0, 0.9, 0.8, 0.68, 0.55)
-#: Tangent of the half angle at which a plume spreads, and the mean pressure (Pa) of it on the ground from
-#: which on it raises dust, and at which there is as much as can be: after pictures of landings on Mars.
+#: Tangent of the half angle at which a plume spreads, and its mean pressure (Pa) on the ground at which dust
+#: begins to rise, and at which the dust is thickest: after pictures of landings on Mars.
 _SPREAD, _LIFTS, _THICK = 0.2, 5.0, 120.0
 #: Rings of dust that run outwards one after the other, and how long (s) each takes; opacity of the thickest.
 _RINGS, _RUNS_S, _DUST = 3, 1.8, 34.0
@@ -82,7 +82,7 @@ class Ground(Recorder):
         self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
         if (sun := self.motion.site.sun) is not None and sun[2] > 0.0:
             self.at(self.t[rows[0]], "site/sky/sun", self.mesh(disc(0.97 * sun, sun, _SUN_SIZE, SUNLIGHT)))
-        # beyond the farthest ground that is seen from where there is a sky
+        # radius beyond the horizon of the highest place with a sky
         reach = 1.5 * np.sqrt(look.sky_top_m * (2.0 * self.motion.site.radius + look.sky_top_m))
         self.poses("site/sky", self.t[rows], self.motion.centre[rows], scale=np.full((len(rows), 3), reach))
         bright = np.exp(-np.maximum(self.motion.height[rows], 0.0) / look.sky_scale_m)
@@ -108,7 +108,7 @@ class NearGround(Recorder):
     """Writes ``near_ground/shadow`` and ``near_ground/dust``."""
 
     def motions(self) -> None:
-        """Write both, where the vehicle is low enough."""
+        """Write shadow and dust, where the vehicle is low enough."""
         rows = thin(self.t, SCALAR_HZ)
         self._shadow(rows[self.motion.height[rows] < _SHADOW_BELOW])
         self._dust()

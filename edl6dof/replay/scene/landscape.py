@@ -38,7 +38,7 @@ _PLANE = 3e4
 _COVER = 0.055
 #: The square on which a landing area is drawn: half its side, and the spacing of its vertices, m.
 NEAR, SPACING = 36.0, 0.25
-#: How far (m) the wide mesh lies below that square, and within which of its middle's half side.
+#: Depth (m) of the wide mesh below that square, and share of the half side within which it is lowered.
 _SUNK, _WITHIN = 1.5, 0.97
 #: Least diameter (m) of rocks of a landing area that are drawn as such; smaller ones are bumps of the mesh.
 _SMALLEST_ROCK = 0.4
@@ -53,7 +53,7 @@ class Rocks(NamedTuple):
 
 
 class Landscape:
-    """The planet's ground, in arcs around ``touchdown``."""
+    """The planet's ground as a mesh on rings around ``touchdown`` (m in L)."""
 
     def __init__(self, site: Site, touchdown: np.ndarray) -> None:
         self._seed = np.abs(site.origin).astype(np.int64)
@@ -63,7 +63,7 @@ class Landscape:
         self._radius = np.geomspace(1.5, _FAR * pi * site.radius, RINGS)
         turn = np.linspace(0.0, 2.0 * pi, SPOKES, endpoint=False)
         self._cos, self._sin = np.cos(turn), np.sin(turn)
-        # from the touchdown
+        # relative to the touchdown, m
         self._east, self._north = self._radius[:, None] * self._cos, self._radius[:, None] * self._sin
         spacing = self._radius * 2.0 * pi / SPOKES
         shade, ripples = _waves(self._random, self._east, self._north, spacing[:, None])
@@ -78,8 +78,8 @@ class Landscape:
         self._shade = shade
 
     def _laid(self) -> tuple[np.ndarray, np.ndarray]:
-        """Elevation (m) and places of the vertices on the true ground: above the plane of the site near it,
-        and around the planet.
+        """Elevation (m) and places (m in L) of the vertices on the true ground: by east and north in L near
+        the touchdown, by arcs on the planet beyond.
         """
         elevation, place = self._site.around(self._centre, self._east, self._north)
         near = self._radius < _PLANE
@@ -110,7 +110,7 @@ class Landscape:
         return bright(positions, np.concatenate([grid_triangles(RINGS, SPOKES), *fans]), colours)
 
     def near(self) -> Mesh | None:
-        """Return the ground of a landing area around the touchdown; None if there is none."""
+        """Return the ground of a landing area around the touchdown; ``None`` for a site without one."""
         if not self._site.relief.detailed:
             return None
         side = np.arange(-NEAR, NEAR + 0.5 * SPACING, SPACING)
@@ -123,7 +123,7 @@ class Landscape:
         return bright(place, open_grid_triangles(len(side), len(side)), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
-        """Return the up coordinate (m) of the drawn ground at places in L, with the nearest decoration."""
+        """Return the up coordinate (m) of the drawn ground in L, decorated as at the nearest vertex."""
         up = np.asarray(self._site.ground(east, north)[1])
         if self._site.relief.detailed:
             return up
@@ -161,7 +161,9 @@ class Landscape:
         """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
         height = np.zeros_like(self._east)
         for diameter in np.geomspace(1.2, 3e4, 40):
-            outer = min(diameter / 0.09, self._radius[-1])  # beyond, the mesh is too coarse for them
+            outer = min(
+                diameter / 0.09, self._radius[-1]
+            )  # beyond this radius the mesh is too coarse for them
             count = min(int(_COVER * outer**2 / (0.25 * diameter**2)), 90)
             distance = outer * np.sqrt(self._random.uniform(0.0, 1.0, count))
             turn = self._random.uniform(0.0, 2.0 * pi, count)
@@ -172,7 +174,7 @@ class Landscape:
         return height
 
     def _dig(self, height: np.ndarray, east: float, north: float, radius: float, fresh: float) -> None:
-        """One bowl with its rim and a blanket that thins out to 2.5 radii."""
+        """Add one crater to ``height`` (m): a bowl, its rim, and a blanket that thins out to 2.5 radii."""
         distance, reach = hypot(east, north), 2.5 * radius
         rows = slice(*self._radius.searchsorted((distance - reach, distance + reach)))
         rho = np.hypot(self._east[rows] - east, self._north[rows] - north) / radius
@@ -181,7 +183,7 @@ class Landscape:
         height[rows] += fresh * radius * np.where(rho < 1.0, bowl, blanket)
 
     def _around(self, height: np.ndarray) -> np.ndarray:
-        """Rise per metre along the rings, counterclockwise."""
+        """Slope (m/m) of ``height`` along the rings, counterclockwise."""
         step = 2.0 * self._radius[:, None] * 2.0 * pi / SPOKES
         return (np.roll(height, -1, axis=1) - np.roll(height, 1, axis=1)) / step
 

@@ -27,7 +27,7 @@ class Mesh(NamedTuple):
 
 
 def merge(meshes: Iterable[Mesh]) -> Mesh:
-    """Return one mesh of several."""
+    """Join several meshes into one."""
     parts = list(meshes)
     starts = np.cumsum([0] + [len(part.positions) for part in parts[:-1]])
     triangles = np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=True)])
@@ -53,8 +53,8 @@ def revolve(
 
     Args:
         profile: stations and radii, m.
-        colour: one, or a function of segment around and step along the profile.
-        segments: around.
+        colour: one colour, or a function of the segment around and the step along the profile.
+        segments: number of segments around the axis.
         axis: origin and unit direction, by default x.
     """
     x, r = np.asarray(profile, dtype=float).T
@@ -117,14 +117,14 @@ def plume(core: bool) -> Mesh:
 
 
 def grid_triangles(rows: int, columns: int) -> np.ndarray:
-    """Return the triangles between ``rows`` x ``columns`` vertices that close up around the columns."""
+    """Return the triangles between ``rows`` x ``columns`` vertices, the last column joined to the first."""
     i, j = np.meshgrid(np.arange(rows - 1), np.arange(columns), indexing="ij")
     a, b = i * columns + j, i * columns + (j + 1) % columns
     return np.stack([a, a + columns, b + columns, a, b + columns, b], axis=-1).reshape(-1, 3)
 
 
 def pole_triangles(rows: int, columns: int) -> list[np.ndarray]:
-    """Return the fans from two more vertices to the first and the last row of such a grid."""
+    """Return two fans of triangles: from poles, numbered after the grid's vertices, to its end rows."""
     here, ahead = np.arange(columns), (np.arange(columns) + 1) % columns
     ends = ((rows * columns, 0), (rows * columns + 1, (rows - 1) * columns))
     return [np.stack([np.full(columns, pole), first + here, first + ahead], axis=-1) for pole, first in ends]

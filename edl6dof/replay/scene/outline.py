@@ -28,7 +28,7 @@ class Outline(NamedTuple):
         sides: of the box along x, y, z that just holds the body.
         forebody: corners of a sphere-cone's front from the nose to the shoulder.
         afterbody: corners from the shoulder to the lid.
-        lander: what comes out of it.
+        lander: kind of lander inside the entry vehicle.
     """
 
     body: BodyShape
@@ -55,7 +55,7 @@ class Outline(NamedTuple):
         return float(np.arctan2(r0 - r1, x0 - x1))
 
     def radius_at(self, x: np.ndarray) -> np.ndarray:
-        """Return the radius (m) of a sphere-cone at stations, 0 ahead of it and behind it."""
+        """Return the radius (m) of a sphere-cone at stations ``x`` (m in B), 0 ahead of it and behind it."""
         stations, radii = np.transpose([*self.forebody, *self.afterbody])
         order = np.argsort(stations, kind="stable")
         return np.interp(x, stations[order], radii[order], left=0.0, right=0.0)
@@ -141,7 +141,7 @@ def _forebody(vehicle: VehicleParams) -> list[Corner]:
         (look.nose_x_m - nose * (1.0 - cos(a)), max(nose * sin(a), 1e-4)) for a in np.linspace(0.0, cone, 7)
     ]
     corners = [(look.nose_x_m - nose * (1.0 - cos(cone)), nose * sin(cone))]
-    if own and capsule.forebody_break_radius_m is not None:  # the first cone of a biconic one
+    if own and capsule.forebody_break_radius_m is not None:  # the first cone of a biconic capsule
         (x, r), r_break = corners[0], capsule.forebody_break_radius_m
         corners.append((x - (r_break - r) * tan(cone), r_break))
         cone = radians(90.0 - stated(capsule.forebody_second_cone_angle_deg))

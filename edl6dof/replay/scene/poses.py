@@ -64,7 +64,9 @@ class Site:
         return self.origin + place @ self.axes
 
     def surface(self, east: np.ndarray, north: np.ndarray, altitude: np.ndarray | float) -> np.ndarray:
-        """Return the up coordinate (m) of the point at ``altitude`` above the ellipsoid, or of the limb."""
+        """Return the up coordinate (m in L) of places at ``altitude`` (m) above the ellipsoid; beyond the
+        limb, that of the place nearest to the ellipsoid.
+        """
         a = self.radius + np.asarray(altitude)
         squash = (a / (a - self.flattening * self.radius)) ** 2  # equation x^2 + y^2 + squash z^2 = a^2
         place = self.origin + np.stack([east, north], axis=-1) @ self.axes[:2]
@@ -99,7 +101,7 @@ class Site:
     def _placed(
         self, latitude: np.ndarray, longitude: np.ndarray, altitude: np.ndarray | float
     ) -> np.ndarray:
-        """Geodetic places (rad, m) in L."""
+        """Places in L (m), shape (..., 3), of geodetic latitude and longitude (rad) and altitude (m)."""
         prime = self.radius / np.sqrt(1.0 - self._e2 * np.sin(latitude) ** 2)
         level = (prime + altitude) * np.cos(latitude)
         upward = ((1.0 - self._e2) * prime + altitude) * np.sin(latitude)
@@ -195,7 +197,7 @@ class Motion:
         return self.centre[-1]
 
     def released(self, place: np.ndarray) -> int | None:
-        """Return the row at which a discarded part is first on its own."""
+        """Return the row of the release of a discarded part, whose places (m in L) are finite from then."""
         rows = np.flatnonzero(np.isfinite(place[:, 0]))
         return int(rows[0]) if len(rows) else None
 
@@ -258,7 +260,7 @@ class Motion:
         return rows, confluence, turns.from_x_to(line), scale
 
     def _spread(self, number: int, rows: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        """Relative width of a canopy, from its drag area after line stretch."""
+        """Width of a canopy relative to the inflated one, from its drag area after line stretch."""
         chute = self.vehicle.parachutes[number]
         taut = np.flatnonzero(reach >= 0.97 * chute.line_length_m)
         start = self.t[rows[taut[0]]] if len(taut) else np.inf

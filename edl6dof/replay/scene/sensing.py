@@ -17,19 +17,19 @@ from edl6dof.spatial import rotations as turns
 from edl6dof.telemetry.columns import EXCLUDED, NOT_USED, USED, range_of
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 
-#: Columns by which a map that was navigated comes to lie where it is.
+#: Columns of the navigation error, by which a map in navigated coordinates is moved to its true place.
 NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
-#: Colour of each class of cell, and of what is chosen and passed over.
+#: Colour of each class of cell, of the chosen spot, of spots passed over, and of a ray of the lidar.
 PAINT = {name: rgb(colour) for name, (_, colour) in CELLS.items()}
 CHOSEN: RGB = (245, 250, 255)
 PASSED_OVER: RGB = (255, 205, 60)
 RAY: RGB = (120, 235, 140)
 LEGEND = "green is safe, amber too steep, red too rough, grey not all seen; yellow dots were passed over"
-#: Colour of a ray of the radar.
+#: Colour of a ray of the radar by its state.
 RAYS = {state: rgb(STATES[state]) for state in (USED, NOT_USED, EXCLUDED)}
-#: How far (m) above the ground the map is drawn, and every how many cells a vertex.
+#: Height (m) above the ground at which the map is drawn, and number of cells from one vertex to the next.
 _ABOVE, _EVERY = 0.04, 2
-#: Rays of a row that are drawn.
+#: Number of rays of a row that are drawn.
 _RAYS = 17
 
 
@@ -46,7 +46,7 @@ class Hazards(Recorder):
         if not len(rows):
             return
         self._rays(rows, since, chosen)
-        # places on the map are off by the error of navigation where the scan began
+        # places on the map contain the navigation error at the start of the scan
         off = np.array([np.interp(since, self.t, self.flight[name]) for name in NAVIGATED])
         self.at(chosen, "site/hazards/map", self.mesh(self._painted(found, off)))
         if len(found.rejected_m):
@@ -93,7 +93,7 @@ class Hazards(Recorder):
             ways = np.array([cell_direction(tangent, SCAN_COLUMNS, line, j) for j in columns])
             rays = turns.rotate(turn, ways)
             ends = start + rays * ((self.motion.height[row] / -rays[:, 2])[:, None])
-            # the ground where each ends, not the one straight below
+            # the ground at the end of each ray, not straight below the vehicle
             ends += rays * ((ends[:, 2] - self.motion.site.ground(*ends[:, :2].T)[1]) / -rays[:, 2])[:, None]
             strips.append(np.stack([np.broadcast_to(start, ends.shape), ends], axis=1))
         entity, data = "site/hazards/rays", {"strips": np.concatenate(strips)}

@@ -82,7 +82,7 @@ class Globe(Recorder):
         self._sun()
 
     def _sun(self) -> None:
-        """Log an arrow from the landing site to the sun, where the scenario gives the moment."""
+        """Log an arrow from the landing site to the sun, if the scenario has a date."""
         site, origin = self.motion.site, self.motion.site.origin * 1.001 / 1e3
         if site.sun is not None:
             along = SUN_ARROW * (site.in_F(site.radius * site.sun) - site.in_F(np.zeros(3))) / 1e3

@@ -30,7 +30,7 @@ def campaign_report(folder: Path) -> Report:
     words = f"{results.success.successes} of {results.success.trials} flights succeed{share}"
     mood = _mood(results)
     if results.has_faults:
-        from edl6dof.report.campaign import faults  # loads the simulator's kinds of fault: for a matrix only
+        from edl6dof.report.campaign import faults  # needed for a matrix only: it loads the simulator
 
         matrix, (words, mood) = list(faults.blocks(results)), faults.headline(results)
     plan = Listing("campaign.yaml", results.store.plan_text, "every default written out")
@@ -108,7 +108,7 @@ def _maps(results: Results, axes: Sequence[str], columns: Mapping[str, np.ndarra
         finite = mean[np.isfinite(mean)]
         success = label.startswith("success")
         if not success and (not len(finite) or np.ptp(finite) == 0.0):
-            continue  # the same everywhere, which no map need show
+            continue  # the same at every point: no map
         low, high = (0.0, 100.0) if success else (float(finite.min()), float(finite.max()))
         heat = Heat(across, up, mean, label, low, high)
         yield Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat)

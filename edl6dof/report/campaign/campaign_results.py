@@ -30,19 +30,19 @@ class Results:
 
     @cached_property
     def table(self) -> pa.Table:
-        """The rows of independent flights: matrices A and B of a design of Sobol indices, else all rows."""
+        """Rows of independent flights: of matrices A and B in a design of Sobol indices, else all rows."""
         if not self.has_design:
             return self._every
         return self._every.filter(pc.is_in(self._every[MATRIX], pa.array([A, B])))
 
     @property
     def has_design(self) -> bool:
-        """True if it flew the design of Sobol indices."""
+        """True if the campaign flew the design of Sobol indices."""
         return MATRIX in self._every.column_names
 
     def swapped(self, name: str) -> dict[str, np.ndarray]:
-        """Return a figure for the flights of each matrix of the design, and of A with each group of inputs
-        from B, shape (rows,), NaN where a flight has none.
+        """Return the values of a figure by matrix of the design of Sobol indices (A, B, and A with one group
+        of inputs from B), each of shape (rows,), NaN where a flight lacks the figure.
         """
         matrices, rows = (self._every[column].to_pylist() for column in (MATRIX, ROW))
         found = {matrix: np.full(1 + max(rows), np.nan) for matrix in dict.fromkeys(matrices)}
@@ -52,7 +52,7 @@ class Results:
 
     @cached_property
     def document(self) -> dict[str, Any]:
-        """The plan as plain data, with every default."""
+        """Plan of the campaign as plain data, defaults included."""
         return parse_document(self.store.plan_text, str(self.folder / "campaign.yaml")).data
 
     @property
@@ -62,7 +62,7 @@ class Results:
 
     @property
     def has_faults(self) -> bool:
-        """True if the cases are the cells of a fault matrix."""
+        """True if the campaign is a fault matrix, whose cases are its cells."""
         return self.document.get("fault_matrix") is not None
 
     @property
@@ -125,5 +125,5 @@ class Results:
 
 
 def numbers(column: pa.ChunkedArray) -> np.ndarray:
-    """Return a numeric column, NaN where it has no value."""
+    """Return a numeric column, shape (rows,), NaN where it has no value."""
     return np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), dtype=float)

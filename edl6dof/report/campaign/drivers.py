@@ -15,25 +15,25 @@ from edl6dof.report.document import Block, Cell, Row, Table, Text, in_percent
 from edl6dof.report.figure import Axis, Band, Figure, Panel, legend_entry
 from edl6dof.report.palette import GREY, SERIES
 
-#: Figures to explain; those with limits come first by themselves.
+#: Figures to explain after those with limits, which are always explained.
 _FIGURES = (
     *("landing_east_m", "landing_north_m", "landing_distance_m"),
     *("parachute_height_m", "propellant_used_kg", "touchdown_s"),
 )
-#: Before an input that stands below its figure.
+#: Indent of an input in a row below its figure.
 _INDENT = "\u2003"
 #: Inputs of each figure whose Sobol indices are shown.
 _SHOWN = 5
-#: Interval of a total index beyond which a figure's indices mean nothing.
+#: Widest interval of a total index at which the indices of a figure still mean something.
 _WIDEST = 1.0
-#: Letters of a line of a figure's name at the bars.
+#: Most letters in a line of a figure's name next to the bars.
 _LETTERS = 24
 #: Figures and their drivers.
 Explained = list[tuple[FigureOfMerit, Drivers]]
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Show which input drives which figure, and the shares with their intervals."""
+    """Show which inputs drive each figure, and their shares of its variance with intervals."""
     if not (results.groups and results.is_sample):
         return
     if len(results.cases) < FEWEST:
@@ -94,7 +94,7 @@ def _figures(results: Results) -> list[str]:
 
 
 def _rows(explained: Explained) -> Iterator[Row]:
-    """A line about each figure, and below it its drivers."""
+    """Rows of the table: one for each figure, followed by one for each of its drivers."""
     for figure, own in explained:
         least, flights = in_percent(own.least), f"not significant with {own.flights:,} flights"
         remains = f"{in_percent(max(1.0 - own.explained, 0.0))} remains, shares below {least} {flights}"

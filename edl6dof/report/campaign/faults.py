@@ -26,10 +26,11 @@ _BECAME = (
 )
 _CANNOT_BE_KNOWN, _RIGHT, _NOT_NAMED, _WRONG_KIND, _SOUND = range(len(_BECAME))
 _LOST = "not within limits"
-#: Top of the scale of times, s; longer ones have its colour.  White is not isolated, and none of its colours.
+#: Top of the colour scale of times, s; longer times have the colour of the top.  A white cell was not
+#: isolated; the scale itself contains no white.
 _LONGEST_S = 15.0
 _SCALE = SEQUENTIAL[1:]
-#: Moments named along an axis that holds more than fit, and lines of a table.
+#: Names along an axis that is too short for all names, most names that fit, and most rows of a table.
 _NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
 #: Columns that identify a fault in a list.
@@ -50,7 +51,7 @@ def headline(results: Results) -> tuple[str, Mood]:
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """Show everything that a report says about the faults of a matrix."""
+    """Show the tables and maps of a fault matrix."""
     rows = results.table.to_pylist()
     figures = fault_figures(rows)
     if figures["acceptance"]:
@@ -134,7 +135,9 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Two maps: outcome of each fault, and time it took; ``places``: row and column of each flight."""
+    """Draw two maps: outcome of each fault, and time (s) to its right isolation; ``places``: row and column
+    of the cell of each flight.
+    """
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):
@@ -156,7 +159,7 @@ def _figure(
     taken = Heat(x, y, times, "time (s)", 0.0, _LONGEST_S, _SCALE, labels)
     axes = Axis(along, names=_thinned(across)), Axis("", names=down)
     panels = [
-        Panel(*axes, [*legend, *crosses], heat=kinds, title="What became of it"),
+        Panel(*axes, [*legend, *crosses], heat=kinds, title="Result of fault isolation"),
         Panel(*axes, crosses, heat=taken, title="Time from first use to the right isolation (s)"),
     ]
     caption = (
@@ -168,13 +171,13 @@ def _figure(
 
 
 def _thinned(names: Sequence[str]) -> list[str]:
-    """Keep every nth name so that they fit; the others are empty."""
+    """Return every nth name, and empty texts between them, so that the names fit along an axis."""
     step = -(-len(names) // _NAMED) if len(names) > _BESIDE else 1
     return [name if k % step == 0 else "" for k, name in enumerate(names)]
 
 
 def _words(rows: Sequence[Row]) -> str:
-    """Text of a cell."""
+    """Text shown when a reader points at a cell: the fault, and the outcome of at most eight flights."""
     head = f"{rows[0]['component']} {rows[0]['kind']} at {rows[0]['moment']}"
     lines = []
     for row in rows[:8]:

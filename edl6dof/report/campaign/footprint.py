@@ -19,10 +19,10 @@ from edl6dof.report.palette import BAD, BLACK, BLUE, PURPLE, VERMILION
 if TYPE_CHECKING:
     from edl6dof.campaign.covariance_estimate import Covariance
 
-#: Points of each kind that carry the number of their case; width and height of it with a little room,
-#: as shares of the axes.
+#: Most points of each kind that are labelled with the number of their case; width and height of a label with
+#: a little room, as shares of the axes.
 _NAMED, _WORD = 4, (0.2, 0.16)
-#: Flights marked for the least height at mortar fire.
+#: Number of flights marked because they are lowest at mortar fire.
 _LOWEST = 3
 
 
@@ -50,8 +50,8 @@ def footprint(results: Results) -> Figure:
 
 
 def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) -> Figure:
-    """Draw ellipses of the first two figures of an event, which are its position if it has one, and the
-    flights of a campaign if given, shape (flights, figures).
+    """Draw the ellipses of the first two figures of an event, which are its position if it has one.
+    ``sampled``: figures of a campaign's flights, shape (flights, figures), drawn as points if given.
     """
     mean, covariance = found.spread.mean[:2], found.pairs.covariance[:2, :2]
     traces = list(_ellipses(lambda sigmas: contour(covariance, sigmas) + mean[:, None]))
@@ -73,7 +73,7 @@ def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]
 
 
 def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, float]) -> Iterator[Trace]:
-    """Successes and failures; the outermost carry the number of their case where there is room."""
+    """Points of successes and of failures; the outermost carry their case number where there is room."""
     both = np.isfinite(x) & np.isfinite(y)
     middle = [np.median(values[both]) if both.any() else 0.0 for values in (x, y)]
     scale = [max(float(np.std(values[both])), 1e-12) if both.any() else 1.0 for values in (x, y)]
@@ -87,8 +87,8 @@ def _points(results: Results, x: np.ndarray, y: np.ndarray, spans: tuple[float, 
 
 
 def _apart(order: np.ndarray, x: np.ndarray, y: np.ndarray) -> set[int]:
-    """Return the first of an order, without those too near to an earlier one for both labels; ``x`` and ``y``
-    in shares of their axes.
+    """Return the first few indices of ``order`` whose labels do not overlap that of an earlier one; ``x`` and
+    ``y``: places of all points, as shares of the axes.
     """
     taken: list[int] = []
     for index in order[: 4 * _NAMED]:
@@ -135,7 +135,7 @@ def deployment(results: Results) -> Figure:
 
 
 def _scatter(results: Results, across: tuple[str, str, float], up: tuple[str, str, float]) -> Panel:
-    """Draw the flights in the plane of two figures (name, title, unit); the axes include the limits."""
+    """Draw flights in the plane of two figures (name, title, size of unit); the axes include the limits."""
     limits = {figure: limit for figure, _, limit, _ in results.limits}
     ways: tuple[Literal["x", "y"], ...] = ("x", "y")
     values, axes, spans, marks = [], [], [], []

@@ -30,9 +30,9 @@ _OTHERS = (
     *("peak_load_g0", "peak_heat_flux_w_cm2", "max_riser_tension_n", "parachute_height_m"),
     *("backshell_height_m", "min_backshell_distance_m", "propellant_used_kg", "touchdown_s"),
 )
-#: Cases that are named for each limit.
+#: Number of cases listed for each limit.
 _NEAREST = 3
-#: Figures that count what should be none: what it says of a flight in which there is none.
+#: Figures that count events that must not happen, each with the words for a flight without such an event.
 _COUNTS = {
     "missed_isolations": "every failed thruster isolated",
     "false_alarms": "no healthy thruster isolated, and none for a wrong kind of fault",
@@ -62,7 +62,7 @@ def limits(results: Results) -> Iterator[Block]:
 
 
 def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
-    """Upper bound of the outermost bounded quantile; the largest value if the flights are no sample."""
+    """Upper bound of the outermost quantile with bounds; the largest value if the flights are no sample."""
     if not results.is_sample:
         return float(np.nanmax(values)) if np.isfinite(values).any() else None
     found = (quantile(values, share) for share in reversed(shares))
@@ -79,7 +79,7 @@ def other_figures(results: Results) -> Iterator[Block]:
 
 
 def _quantiles(results: Results, heading: str, names: Iterable[str]) -> Table:
-    """Tabulate quantiles of some figures, those that the campaign has."""
+    """Tabulate quantiles of those of the named figures that the campaign has."""
     shares = shown_shares(results)
     rows: list[Row] = [
         [figure.meaning, printed(figure.unit.label), *(in_words(results, results[name], s) for s in shares)]
@@ -113,7 +113,7 @@ def isolation(results: Results) -> Iterator[Block]:
 
 
 def _of_every_flight(results: Results) -> Sequence[Mapping[str, Any]]:
-    """Faults of the scenario itself; those of a fault matrix belong to its cells."""
+    """Faults that the scenario gives to every flight; empty for a fault matrix, where they differ by cell."""
     return () if results.has_faults else results.document.get("faults") or ()
 
 
@@ -127,7 +127,9 @@ def _in_words(fault: Mapping[str, Any]) -> str:
 
 
 def shown_shares(results: Results) -> tuple[float, ...]:
-    """Return the median and the outermost quantiles that a sample can bound; else the extremes."""
+    """Return the shares of the columns: median and outermost quantiles that the sample can bound; without a
+    sample least value (0), median and largest value (1).
+    """
     if not results.is_sample:
         return 0.0, 0.5, 1.0
     bounded = bounded_shares(len(results.cases))
@@ -140,7 +142,9 @@ def head(share: float) -> str:
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """Return a quantile with its bounds, or the number of flights that it needs; else without bounds."""
+    """Return a quantile as text: with its bounds, or the number of flights needed for bounds; without bounds
+    if the flights are no sample.
+    """
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"

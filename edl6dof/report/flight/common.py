@@ -14,17 +14,17 @@ from edl6dof.report import catalogue
 from edl6dof.report.catalogue import Plot, Stack
 from edl6dof.report.figure import Axis, Figure, Heat, Mark, Panel, Trace
 from edl6dof.report.palette import BLACK, BLUE, GREY, SERIES
-from edl6dof.runs.run import Run
+from edl6dof.runs.run import FlightColumns, Run
 
 TIME = "time since entry (s)"
-#: Letters of a line of an axis' title.
+#: Most letters in a line of an axis title.
 LETTERS = 15
-#: Bounds are shown up to this many times the largest error, which would not be seen otherwise.
+#: Largest multiple of the largest error up to which bounds are shown; beyond it the error could not be seen.
 FAR = 30.0
-#: Share of the values that an axis has room for at least, and how much larger a peak is cut off.
+#: Least share of the values that an axis has room for, and multiple of them beyond which a peak is cut off.
 BULK, PEAK = 0.999, 3.0
 
-#: Events worth a line across a plot, and its label.
+#: Events that are marked by a line across a plot over time, with the label of the line.
 EVENTS: dict[str, str] = {
     "fault": "fault",
     "diagnosis": "diagnosed",
@@ -39,41 +39,51 @@ EVENTS: dict[str, str] = {
 
 
 def over_flight(run: Run, stacks: Iterable[Stack]) -> Iterator[Figure]:
-    """Draw those of some stacks for which the flight has data."""
+    """Draw those of the stacks for which the flight has data."""
     for stack in stacks:
-        if not stack.needs or run.when.keys() & set(stack.needs) or has_signal(run, *stack.needs):
-            figure = figure_of(run, stack)
-            if figure.panels:
-                yield figure
+        if (figure := figure_with_data(run, stack)) is not None:
+            yield figure
 
 
-def figure_of(run: Run, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str) -> Figure:
+def figure_with_data(run: FlightColumns, stack: Stack) -> Figure | None:
+    """Draw a stack; ``None`` if the flight has no data for it."""
+    if stack.needs and not run.when.keys() & set(stack.needs) and not has_signal(run, *stack.needs):
+        return None
+    figure = figure_of(run, stack)
+    return figure if figure.panels else None
+
+
+def figure_of(
+    run: FlightColumns, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str
+) -> Figure:
     """Draw a stack at some rows; ``words`` go into the caption."""
     panels: list[Panel] = []
-    same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title says what
+    same = (
+        len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1
+    )  # the figure's title names the quantity
     for plot in stack.plots:
         plot = plot._replace(title=plot.title.partition(", ")[2] or plot.title) if same else plot
         own = run.between(stack.since or plot.since, stack.until or plot.until)
         if stack.around is not None:
             first, last = (run.when.get(stack.since, inf) + seconds for seconds in stack.around)
             own = run.between("", stack.until or plot.until) & (run.t > first) & (run.t < last)
-        if stack.above is not None:
+        if stack.above is not None and stack.above[0] in run:
             own &= run[stack.above[0]] > stack.above[1]
         shown = np.zeros(len(run.t), bool)
         shown[rows] = own[rows]
         panel = over_time(run, plot, shown)
-        if panel is not None and len(panel.traces) == 1:  # its axis says what it is
+        if panel is not None and len(panel.traces) == 1:  # the axis title names the curve
             colour = SERIES[len(panels) % len(SERIES)]
             panel = replace(panel, traces=[replace(panel.traces[0], colour=colour, name="")])
         panels += [] if panel is None else [panel]
     caption = stack.caption
     if "{" in caption:
-        given = {name: value or 0.0 for name, value in run.summary["figures"].items()}
+        given = {name: value or 0.0 for name, value in run.figures.items()}
         caption = caption.format_map(defaultdict(float, given | words))
     return stacked(stack.key, stack.title, panels, caption, stack.height)
 
 
-def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
+def over_time(run: FlightColumns, plot: Plot, rows: np.ndarray) -> Panel | None:
     """Draw a plot at some rows (bool), with the events of that time; ``None`` if it has no data."""
     found = plot.shown({channel: run[channel][rows] for channel in plot.channels if channel in run})
     if found is None:
@@ -90,23 +100,28 @@ def over_time(run: Run, plot: Plot, rows: np.ndarray) -> Panel | None:
 
 
 def time_panel(
-    run: Run, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = (), weight: float = 1.0
+    run: FlightColumns,
+    t: np.ndarray,
+    y: Axis,
+    traces: Sequence[Trace],
+    marks: Sequence[Mark] = (),
+    weight: float = 1.0,
 ) -> Panel:
-    """Return a panel over times ``t`` (s), with lines at the events among them."""
+    """Return a panel over times ``t`` (s), with a line at each event within these times."""
     inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
     events = [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
     return Panel(Axis(TIME), y, traces, marks=[*events, *marks], weight=weight)
 
 
 def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
-    """A scale symmetrical about zero for an error and its bounds."""
+    """Axis range, symmetrical about zero, for an error and its bounds."""
     largest = float(np.max(np.abs(error)))
     reach = 1.08 * max(largest, min(float(np.max(bound)), FAR * largest))
     return (-reach, reach) if reach > 0.0 else None
 
 
 def _clipped(values: Sequence[np.ndarray]) -> tuple[float, float] | None:
-    """Range of an axis that a single peak would leave empty; ``None`` if there is no such peak."""
+    """Axis range that cuts off a high single peak; ``None`` if there is no such peak."""
     sizes = [np.abs(one) for one in values]
     bulk = max(float(np.nanquantile(one, BULK)) for one in sizes)
     if max(float(np.nanmax(one)) for one in sizes) <= PEAK * bulk:
@@ -132,7 +147,7 @@ def flown(x: np.ndarray, y: np.ndarray, name: str = "flown") -> Trace:
 def site_panel(
     traces: Sequence[Trace], unit: str = "m", title: str = "", equal: bool = True, heat: Heat | None = None
 ) -> Panel:
-    """Return a map about the landing site, as large as its cells if there are any."""
+    """Return a map (east, north) around the landing site; with ``heat`` it is as large as the cells."""
     spans = (None, None) if heat is None else ((heat.x[0], heat.x[-1]), (heat.y[0], heat.y[-1]))
     east, north = (
         Axis(f"{way} of the landing site ({unit})", span)
@@ -142,12 +157,12 @@ def site_panel(
 
 
 def circle(centre: Sequence[float], radius: float, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return two coordinates of points around a circle, the first of them again at the end."""
+    """Return x and y of points around a circle, shape (points,); the last one repeats the first."""
     turn = np.linspace(0.0, 2.0 * np.pi, points)
     return centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn)
 
 
-def has_signal(run: Run, *channels: str) -> bool:
+def has_signal(run: FlightColumns, *channels: str) -> bool:
     """Return True if the run has one of the channels with more in it than zeros and gaps."""
     return any(channel in run and catalogue.has_signal(run[channel]) for channel in channels)
 

@@ -31,7 +31,7 @@ from edl6dof.report.flight.vehicle import vehicle_section
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
-#: Figure and format of what is shown at a glance.
+#: Figures of merit at the head of the report, and their formats.
 _FACTS = (
     ("touchdown_s", ".1f"),
     ("landing_distance_m", ",.0f"),
@@ -46,7 +46,7 @@ _FACTS = (
 )
 #: State of the vehicle at an event, and its formats.
 _STATE = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
-#: A requirement that was kept or not; other differences are neither good nor bad.
+#: Mood of a requirement that is met or missed; other differences (``None``) are neither good nor bad.
 _KEPT: dict[bool | None, Mood] = {True: "good", False: "bad", None: "plain"}
 
 

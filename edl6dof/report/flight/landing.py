@@ -27,7 +27,7 @@ _WAYS = ("east", "north")
 
 
 def powered_descent(run: Run) -> Iterator[Figure]:
-    """Draw height over descent speed, in which powered descent is designed; then its plots over time."""
+    """Draw height over descent speed, the design plane of powered descent; then its plots over time."""
     if "ignition" in run.when:
         rows = run.between("backshell", "touchdown")
         names = {"backshell": "backshell", "ignition": "", begun(HOVER_IMAGING): "hover"}
@@ -72,7 +72,7 @@ def landing_site(run: Run) -> Figure:
     panels.append(site_panel(traces, unit="km", title="from the parachute on"))
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
-    near = target if away < 2.0 * reach else []  # else there were nothing else to be seen
+    near = target if away < 2.0 * reach else []  # a farther target would shrink everything else
     traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
     panels.append(site_panel(traces, title="powered descent"))
     landed, caption = run.summary["figures"], ""
@@ -87,7 +87,7 @@ def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
 
 
 def _target(run: Run) -> Trace:
-    """The landing site, called target unless the flight only has to last."""
+    """The landing site as a cross, called target unless the goal of the mission is a time of flight."""
     name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
     return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
 
@@ -169,7 +169,9 @@ def _words(run: Run, found: LandingMap) -> str:
 
 
 def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
-    """A sentence if another safe spot was nearer (m) but had less clearance (m)."""
+    """Sentence on the nearest safe spot if it is nearer than the chosen one, whose distance (m) and clearance
+    (m) are given; otherwise empty.
+    """
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
     distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf
@@ -192,7 +194,7 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
     chosen = found.coarse_m[int(found.coarse_part)]
     taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
     drift = Trace(drift_x, drift_y, "backshell, as predicted", colour=PURPLE, dash="dot")
-    # all as navigated: off the ground by the error of navigation
+    # all in navigated coordinates, which contain the navigation error
     off = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
     there = np.isfinite(east)

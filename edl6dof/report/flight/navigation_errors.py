@@ -46,7 +46,7 @@ def figures(run: Run) -> Iterator[Figure | Table]:
 
 
 def innovations(run: Run, seen: np.ndarray) -> Figure:
-    """Draw the largest innovation of a beam, while there are echoes."""
+    """Draw the largest innovation of a radar beam at the rows with an echo (``seen``, bool)."""
     navigation = run.scenario["flight_software"]["navigation"]
     gate = navigation.get(str(navigation["filter"]), {}).get("gate")
     limit = [] if gate is None else [Mark("y", float(gate), "gate", BAD)]
@@ -88,7 +88,7 @@ def at_moments(run: Run) -> Table:
 
 def _bounded(run: Run, error: str, sigma: str, key: str, form: str) -> str:
     t = run.when[key]
-    if key == "touchdown":  # a reading earlier: where contact shakes the vehicle, it has not seen that yet
+    if key == "touchdown":  # one row earlier, without the shock of the contact
         t = float(run.t[max(int(np.searchsorted(run.t, t)) - 1, 0)])
     return f"{run.at(error, t):{form}} ± {plots.BOUND * run.at(sigma, t):{form}}"
 
@@ -107,7 +107,7 @@ def names(run: Run) -> Components:
 
 
 def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
-    """Draw a lane for each of some instruments of one kind."""
+    """Draw a lane for each of ``those`` instruments, all of one kind."""
     traces = []
     for state, colour in plots.STATES.items():
         ends = [

@@ -57,7 +57,7 @@ def labels(*runs: Run) -> list[str]:
 
 
 def outcomes(first: Run, second: Run) -> Table:
-    """Tabulate the outcomes."""
+    """Tabulate outcome, time and version of each flight."""
     rows: list[Row] = []
     for name, run in zip(labels(first, second), (first, second), strict=True):
         summary = run.summary
@@ -67,7 +67,7 @@ def outcomes(first: Run, second: Run) -> Table:
 
 
 def figures_table(first: Run, second: Run, names: Iterable[str] | None = None) -> Table:
-    """Tabulate figures of either flight, all of them if none are named, and the difference."""
+    """Tabulate figures of both flights, all of them if ``names`` is ``None``, and the differences."""
     one, two = first.summary["figures"], second.summary["figures"]
     rows: list[Row] = []
     for name in dict.fromkeys([*one, *two]) if names is None else names:
@@ -100,7 +100,7 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
     """Draw the curves of several flights in the panels of one figure.
 
-    Each flight has its own dashes, and each curve its own colour; in a panel of one curve each flight has.
+    Each flight has its own dashes, and each curve its own colour; in a panel of one curve, each flight has.
     """
     panels = []
     for index, panel in enumerate(figures[0].panels):
@@ -122,7 +122,7 @@ def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:
 
 
 def _partner(panel: Panel, index: int, others: Sequence[Panel]) -> Panel | None:
-    """The panel of the other flight that shows the same."""
+    """Panel of the other figure with the same title of the y axis, that at ``index`` first; or ``None``."""
     there = others[index : index + 1]
     return next((other for other in (*there, *others) if other.y.title == panel.y.title), None)
 
@@ -148,7 +148,7 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
 
 
 def _widened(axis: Axis, other: Axis) -> Axis:
-    """The first axis; a range that it has is widened to hold that of the other, in its own direction."""
+    """The first axis, its range (if it has one) widened to include that of the other, direction unchanged."""
     if axis.range is None or axis.names:
         return axis
     every = (*axis.range, *(other.range or ()))
@@ -157,7 +157,7 @@ def _widened(axis: Axis, other: Axis) -> Axis:
 
 
 def darker(colour: str) -> str:
-    """Return a colour mixed with black."""
+    """Return a colour (``#rrggbb``) mixed with black."""
     parts = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return "#" + "".join(f"{round(part * DARKER):02x}" for part in parts)
 
@@ -169,7 +169,9 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values, whole or with five digits, or with more if three digits of the difference need them."""
+    """Both values and their difference as text: whole, or with five digits, or with more if the difference
+    needs them for three digits.
+    """
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
@@ -180,7 +182,7 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
 
 
 def _places(size: float, digits: int) -> int:
-    """Decimals with which a number has this many digits."""
+    """Number of decimals with which a number of this size has ``digits`` digits."""
     return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
@@ -194,8 +196,8 @@ def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tupl
 
 
 def _leaves(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted paths and values of nested data; a list of numbers is one value, and parameters of other kinds
-    of fault are left out.
+    """Dotted paths and values of nested data; a list of numbers is one value, and of a fault only the
+    parameters of its own kind are kept.
     """
     if isinstance(value, dict):
         others = FAULT_KINDS.names if value.get("kind") in FAULT_KINDS.names else ()

@@ -1,7 +1,7 @@
-"""Phase planes: attitude error against rate, with the zones of the controller that flew.
+"""Phase planes: attitude error against rate, with the zones of the active controller.
 
 Borders of the zones follow from the gains of the scenario.  Error is goal minus actual and rate is actual
-minus goal, so that a controller at work runs through the first and third quadrants towards the origin.
+minus goal, so that a controlled vehicle moves through the first and third quadrants towards the origin.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ TITLES = {
     "rate_damping": "under the parachute (rate damping)",
     "thrust_vector": "powered descent (thrust vector)",
 }
-#: What green lines of a name are.
+#: Meaning of the green lines by their name, for the caption.
 _GREEN = {AIMED_FOR: "the rate that it aims for", FIRING: "where it begins to fire"}
 
 
 def figures(run: Run) -> Iterator[Figure]:
-    """Draw one figure for each controller that flew; none for a point mass."""
+    """Draw one figure for each controller that was active; none for a point mass."""
     if not has_signal(run, *(f"truth.rate_{axis}_deg_s" for axis in RATES)):
         return
     phases = run.scenario["mission"]["phases"]
@@ -51,13 +51,13 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     for axis, name in enumerate(AXES):
         error = run[f"control.error_{name}_deg"]
         if axis > 0 and not any(np.median(np.abs(error[rows])) > 0.0 for _, rows in phases):
-            continue  # damped only: shown in the plane of the two rates below
+            continue  # only damped: its rate is in the plane of rates below
         traces = _ways(error, rates[axis], [(phase, rows & cycles) for phase, rows in phases])
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
         lines, marks = borders(gains, axis)
         zero = [Mark(across, 0.0, colour=AXIS, dash="solid") for across in ("x", "y")]
         panels.append(_plane((f"{word} error", "deg"), f"{word} rate", traces, marks, lines, zero))
-    if len(panels) == 1:  # yaw against pitch rate, with the rates that the controller leaves alone
+    if len(panels) == 1:  # add the plane of yaw rate over pitch rate
         marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
         panels.append(_plane(("pitch rate", "deg/s"), "yaw rate", _ways(rates[1], rates[2], phases), marks))
     caption = (
@@ -69,7 +69,7 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
 
 
 def _ways(x: np.ndarray, y: np.ndarray, phases: Sequence[tuple[str, np.ndarray]]) -> list[Trace]:
-    """The path in a plane, in a colour for each phase."""
+    """Curves of the path in a plane, one colour for each phase."""
     return [
         Trace(x[rows], y[rows], phase.replace("_", " "), colour=COLOURS[k % len(COLOURS)])
         for k, (phase, rows) in enumerate(phases)
@@ -107,7 +107,7 @@ def _meanings(panels: Sequence[Panel]) -> str:
 
 
 def control_cycles(run: Run) -> np.ndarray:
-    """Return the rows (bool) in which the controller has just run; others repeat an old error."""
+    """Return the rows (bool) in which the controller has just run; other rows repeat its previous error."""
     errors = np.stack([run[f"control.error_{axis}_deg"] for axis in AXES])
     return np.append(False, np.any(np.diff(errors) != 0.0, axis=0))
 
@@ -115,8 +115,9 @@ def control_cycles(run: Run) -> np.ndarray:
 def control_rates(run: Run, control: str) -> list[np.ndarray]:
     """Return the rates (deg/s, three of shape (rows,)) that a controller compares with the attitude error.
 
-    In the air the goal turns with the velocity, so its turning is taken off; bank to steer splits the rest
-    into that about the velocity and the swing of the air angles.
+    In the atmosphere the commanded attitude turns with the velocity, whose turning rate is therefore
+    subtracted. For bank to steer the rest is split into the rate about the velocity and the rates about y and
+    z of B that change the angles of attack and sideslip.
     """
     body = np.stack([run[f"truth.rate_{axis}_deg_s"] for axis in RATES])
     if control not in ("phase_plane", "bank_to_steer"):
@@ -157,12 +158,12 @@ def borders(gains: Mapping[str, Any], axis: int) -> tuple[list[Trace], list[Mark
 
 
 class Zones(NamedTuple):
-    """Borders of one axis; all of them have an image through the origin.
+    """Zone borders of one axis; each one also exists reflected through the origin.
 
     Attributes:
-        name: of the curve; empty where there is none.
-        error, rate: of the curve, deg and deg/s, shape (n,).
-        errors, rates: of straight borders, deg and deg/s, positive.
+        name: name of the curved border; empty if there is none.
+        error, rate: points of the curved border, deg and deg/s, shape (n,).
+        errors, rates: positions of the straight borders, deg and deg/s, positive.
     """
 
     name: str = ""
@@ -173,7 +174,7 @@ class Zones(NamedTuple):
 
 
 def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
-    """Return the borders of a controller for axis 0 roll, 1 pitch, 2 yaw; none for gains not known here."""
+    """Return the borders of a controller for axis 0 roll, 1 pitch, 2 yaw; empty for unknown gains."""
     zone = gains.get("roll" if axis == 0 else "pitch_yaw") or (gains.get("bank") if axis == 0 else None)
     try:
         if "deadband_deg" in gains:
@@ -184,16 +185,16 @@ def zones_of(gains: Mapping[str, Any], axis: int) -> Zones:
             near, far = zone["near_deg"], zone["far_deg"]
             error = np.concatenate([np.linspace(near, far, 60), [far * 1.0001, 180.0]])
             return Zones(AIMED_FOR, error, aimed_rate(zone, error), (near, far), (1.15 * zone["rate_deg_s"],))
-    except KeyError:  # other gains under known names: no borders rather than wrong ones
+    except KeyError:  # unknown gains under known names: no borders
         return Zones()
     found = ([gains[name]] if name in gains else [] for name in ("angle_limit_deg", "rate_deadband_deg_s"))
     return Zones("", np.empty(0), np.empty(0), *map(tuple, found))
 
 
 def aimed_rate(zone: Mapping[str, Any], error: np.ndarray) -> np.ndarray:
-    """Return the rate (deg/s) that the zones steer for at errors (deg, positive) outside the PID zone.
+    """Return the rate (deg/s) that the controller aims for at errors (deg, positive) outside the PID zone.
 
-    It starts with the rate at which the PID law meets the border, and grows along a parabola of constant
+    The rate starts with that of the PID law at the border of its zone, and grows along a parabola of constant
     deceleration.  Source: Hu et al. 2022, section 4.1.
     """
     inner = zone["proportional"] / max(zone["derivative"], 1e-9) * zone["near_deg"]

@@ -17,11 +17,11 @@ from edl6dof.report.flight.common import figure_of, has_signal, over_flight, sta
 from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, VERMILION
 from edl6dof.runs.run import Run
 
-#: Columns of the activity map.
+#: Number of columns (time intervals) of the activity map.
 BINS = 600
 #: Time (s) shown before a fault and after its diagnosis, or after the fault without one.
 BEFORE_S, AFTER_S = 2.0, 3.0
-#: Time (s) over which a flow is the mean; branches shown at most.
+#: Time (s) over which a flow is averaged; most branches shown.
 MEAN_S, MOST = 0.1, 4
 
 

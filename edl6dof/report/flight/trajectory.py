@@ -1,10 +1,10 @@
 """The trajectory: the whole flight over time, the entry in its corridor, and the deployment box of the
 parachute.
 
-The corridor is the drag over speed that lift and the limits of the scenario allow.  Its borders come from the
-flight itself: its own air density over height, drag and load per dynamic pressure over speed and constant of
-the heat-flux law turn a limit on dynamic pressure, load or heat flux into a drag or a height above the areoid
-at every speed.
+The corridor is the drag over speed that lift and the limits of the scenario allow.  Its borders follow from
+data of the flight: air density over height, drag and load per dynamic pressure over speed, and the constant
+of the heat-flux law.  With these, a limit on dynamic pressure, load or heat flux becomes a drag, or a height
+above the areoid, at every speed.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from edl6dof.report.flight.common import EVENTS, figure_of, flown, has_signal, p
 from edl6dof.report.palette import GREEN, GREY, ORANGE, PHASES, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
-#: Dynamic pressure (Pa) below which ratios to it say nothing.
+#: Dynamic pressure (Pa) below which quotients by it are not used.
 THIN_AIR = 5.0
 #: Time (s) over which lift and drag are averaged for the borders.
 CALM_S = 8.0
-#: Lift-to-drag ratio below which there is no gliding.
+#: Lift-to-drag ratio below which no equilibrium glide is drawn.
 LEAST_LIFT = 0.08
 
 
@@ -120,7 +120,7 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
 
 
 def _titled(words: str, panel: Panel) -> str:
-    """The title, with the corridor if a border of it is drawn."""
+    """A title from ``words``, with the corridor added if the panel shows a border of it."""
     return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
 
 
@@ -148,7 +148,9 @@ def deployment_box(run: Run) -> Figure:
 
 
 class Entry(NamedTuple):
-    """Entry from the first air to the parachute at falling speeds, shape (n,); and the air flown through."""
+    """Entry from the first air to the parachute, at rows of falling speed, shape (n,), SI; and the density
+    (kg/m3) and height (m above the areoid) of the air that was flown through.
+    """
 
     speed: np.ndarray
     drag: np.ndarray
@@ -168,7 +170,7 @@ class Entry(NamedTuple):
 
 
 def entry_state(run: Run) -> Entry | None:
-    """Return drag, lift and the ratios behind the corridor; ``None`` for a flight without entry."""
+    """Return the state from which the corridor is drawn; ``None`` for a flight without entry."""
     rows = run.between(until="mortar") & (run["truth.height_m"] > 0.0)
     rows &= run["truth.dynamic_pressure_pa"] > THIN_AIR
     if rows.sum() < 50 or not has_signal(run, "truth.heat_flux_w_cm2"):
@@ -204,7 +206,7 @@ def aerodynamic_accelerations(
 
 
 def _calm(run: Run, values: np.ndarray) -> np.ndarray:
-    """Mean over some seconds, without the oscillation of the angle of attack."""
+    """Moving mean of ``values`` over some seconds, which removes the oscillation of the angle of attack."""
     rows = max(int(CALM_S / max(float(np.median(np.diff(run.t))), 1e-6)), 1)
     held = np.pad(values, (rows // 2, rows - 1 - rows // 2), mode="edge")
     return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
@@ -251,7 +253,7 @@ def glide(entry: Entry) -> Border:
 
 
 def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
-    """Return the drag beyond the lowest border, up to ``edge``, as one shaded region."""
+    """Return the drag (m/s2) above the lowest border, up to ``edge``, as one shaded region."""
     if not found:
         return []
     lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)

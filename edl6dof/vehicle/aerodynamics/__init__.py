@@ -1,1 +1,1 @@
-"""Aerodynamics of the vehicle: the entry capsule, what is left after jettisons, simple bodies, surfaces."""
+"""Aerodynamics of the vehicle: entry capsule, bluff body after a jettison, bodies of any shape, surfaces."""

@@ -1,4 +1,5 @@
-"""A body of any shape: six coefficients over Mach number, angle of attack and sideslip, and nine of damping.
+"""A body of any shape: six coefficients over Mach number, angle of attack and sideslip, and nine damping
+coefficients over the first two.
 
 The table comes from a mesh, a csv or DAVE-ML files (:mod:`edl6dof.vehicle.aerodynamics.body_table`).
 """
@@ -14,10 +15,10 @@ from edl6dof.spatial.vector import clamp, norm
 from edl6dof.vehicle.aerodynamics.capsule import MIN_SPEED, free_molecular_weight
 
 MACH_NODES, ALPHA_NODES, BETA_NODES = 64, 96, 96
-#: Nodes of all Mach numbers, angles of attack and angles of sideslip together.
+#: Largest size of the table: Mach numbers x angles of attack x angles of sideslip.
 NODES = 60_000
 
-#: ``sheds``: whether it flies only as long as a part with the shape of a capsule is attached.  Nodes rise;
+#: ``sheds``: 1 if the body flies only while a part with the shape of a capsule is attached.  Nodes rise;
 #: angles in rad.  ``static`` [node, (CX, CY, CZ, Cl, Cm, Cn)] and ``rare``, in free molecular flow,
 #: by :func:`node`; ``damping`` [Mach x alpha, (CYp, Clp, Cnp, CXq, CZq, Cmq, CYr, Clr, Cnr)] per rad of
 #: p b/2V, q c/2V and r b/2V.
@@ -47,12 +48,12 @@ class BodyAeroParams(Hardware):
     )
     inputs: dict[str, float] = param(
         None,
-        "what a DAVE-ML model is given besides the flow, such as deflections, by name, in the model's units",
+        "inputs of a DAVE-ML model other than the flow, such as deflections: values by name, in its units",
         record=False,
         factory=dict,
     )
     mesh_scale: float = param(1.0, "metres per unit of a mesh", record=False, gt=0.0, le=1e4)
-    mesh_origin_m: Vec3 = param((0.0, 0.0, 0.0), "where the origin of a mesh lies in B", record=False)
+    mesh_origin_m: Vec3 = param((0.0, 0.0, 0.0), "position in B of the origin of the mesh", record=False)
     mesh_yaw_pitch_roll_deg: Vec3 = param(
         (0.0, 0.0, 0.0), "turns about z, y, x that carry B into the axes of a mesh", record=False
     )
@@ -60,9 +61,9 @@ class BodyAeroParams(Hardware):
     chord_m: float = param(1.0, "reference length of pitch, and of the Knudsen number", gt=0.0)
     span_m: float = param(1.0, "reference length of roll and yaw", gt=0.0)
     moment_reference_m: Vec3 = param((0.0, 0.0, 0.0), "point in B that the moments are about")
-    roll_damping: float = param(0.0, "Clp per rad of p span/2V, besides that of the file")
-    pitch_damping: float = param(0.0, "Cmq per rad of q chord/2V, besides that of the file")
-    yaw_damping: float = param(0.0, "Cnr per rad of r span/2V, besides that of the file")
+    roll_damping: float = param(0.0, "Clp per rad of p span/2V, added to that of the file")
+    pitch_damping: float = param(0.0, "Cmq per rad of q chord/2V, added to that of the file")
+    yaw_damping: float = param(0.0, "Cnr per rad of r span/2V, added to that of the file")
     axial_factor: float = param(1.0, "multiplies CX", gt=0.0, le=10.0)
     lateral_factor: float = param(1.0, "multiplies CY and CZ", ge=0.0, le=10.0)
     moment_factor: float = param(1.0, "multiplies Cl, Cm and Cn about the reference point", ge=-10.0, le=10.0)
@@ -71,13 +72,15 @@ class BodyAeroParams(Hardware):
 
 @kernel
 def node(table, i, j, k):
-    """Row of ``static`` at Mach ``i``, angle of attack ``j`` and sideslip ``k``; of ``rare`` for ``i`` 0."""
+    """Index of the row of ``static`` at nodes ``i`` of Mach, ``j`` of alpha, ``k`` of beta; of ``rare`` with
+    i = 0.
+    """
     return (i * table.n_alpha + j) * table.n_beta + k
 
 
 @kernel
 def _bilinear(rows, table, cells, shares, column):
-    """A column at a Mach node, between nodes of the angles and the next ones."""
+    """Interpolate a column of ``rows`` at a Mach node bilinearly in both angles."""
     i, j, k = cells
     a, b = shares
     low, high = node(table, i, j, k), node(table, i, j + 1, k)
@@ -88,7 +91,9 @@ def _bilinear(rows, table, cells, shares, column):
 
 @kernel
 def cell_of(table, mach, alpha, beta):
-    """Cells of Mach number, angle of attack and sideslip (rad), and the shares of the way across each."""
+    """Indices of the cells of Mach number, angle of attack and sideslip (rad), and the share of the way
+    across each.
+    """
     i, m = cell_among(table.mach, table.n_mach, mach)
     j, a = cell_among(table.alpha, table.n_alpha, alpha)
     k, b = cell_among(table.beta, table.n_beta, beta)
@@ -97,8 +102,9 @@ def cell_of(table, mach, alpha, beta):
 
 @kernel
 def body_coefficients(body, table, gas, mach, rho, alpha, beta):
-    """(CX, CY, CZ, Cl, Cm, Cn) about the reference point at angles of attack and sideslip (rad), bridged and
-    multiplied by the factors; linear in Mach and both angles, held beyond the ends.
+    """(CX, CY, CZ, Cl, Cm, Cn) about the reference point at angles of attack and sideslip (rad), bridged to
+    free molecular flow and multiplied by the factors; linear in Mach number and both angles, constant beyond
+    the ends of the table.
     """
     cells, shares = cell_of(table, mach, alpha, beta)
     weight = free_molecular_weight(gas, rho, body.chord) if table.rarefied != 0 else 0.0
@@ -125,7 +131,7 @@ def _coefficient(table, cells, shares, weight, column):
 
 @kernel
 def _damping(table, cells, shares, column):
-    """A damping coefficient between nodes of Mach and angle of attack and the next ones."""
+    """Interpolate a damping coefficient bilinearly in Mach number and angle of attack."""
     i, j, _ = cells
     m, a, _ = shares
     low, high = i * table.n_alpha + j, (i + 1) * table.n_alpha + j

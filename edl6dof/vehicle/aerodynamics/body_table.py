@@ -1,9 +1,10 @@
 """Building of the table of a body of any shape, from a mesh, a csv or a DAVE-ML model.  Plain numpy, at load
 time.
 
-A mesh is flown on Newtonian pressure with base pressure on what the flow does not see, and on free-molecular
-flow in thin air (:mod:`edl6dof.vehicle.aerodynamics.newtonian`), all around, every 4.5 degrees.  A csv or a
-DAVE-ML model is what it says, held beyond its ends, at all densities.
+The coefficients of a mesh are worked out at all attitudes, every 4.5 degrees: Newtonian pressure on the
+windward panels, base pressure on the others, and free-molecular flow in thin air
+(:mod:`edl6dof.vehicle.aerodynamics.newtonian`).  Those of a csv or a DAVE-ML model are used as given at all
+densities, and are constant beyond the ends of the table.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class BodyInputs(NamedTuple):
 
 
 class Coefficients(NamedTuple):
-    """Nodes (angles in deg) and what stands on them: ``BODY_TABLE`` with an axis for each kind of node."""
+    """Nodes (angles in deg) and their coefficients: ``BODY_TABLE`` with an axis for each kind of node."""
 
     mach: np.ndarray
     alpha_deg: np.ndarray
@@ -75,12 +76,12 @@ def body_inputs(body: BodyAeroParams, heat_capacity_ratio: float, sheds: bool) -
 
     Raises:
         ValueError: no file is named.
-        OSError: it cannot be read.
+        OSError: the file cannot be read.
     """
     if not body.file:
         raise ValueError("required key is missing: the mesh, csv or DAVE-ML file of aero.model body")
     own = {name: BodyAeroParams.model_fields[name].default for name in FLOWN}
-    if Path(body.file).suffix.lower() in (".stl", ".glb", ".gltf"):  # its coefficients are made with them
+    if Path(body.file).suffix.lower() in (".stl", ".glb", ".gltf"):  # these enter a mesh table
         own = {name: value for name, value in own.items() if not name.endswith("_m") and "area" not in name}
     content = read_regular(Path(body.file), LARGEST_MESH)
     return BodyInputs(body.model_copy(update=own), heat_capacity_ratio, sheds, content)
@@ -88,7 +89,7 @@ def body_inputs(body: BodyAeroParams, heat_capacity_ratio: float, sheds: bool) -
 
 @lru_cache(maxsize=4)
 def build_body_table(inputs: BodyInputs) -> np.ndarray:
-    """The table record (array of one, read-only).
+    """Build the table record, ``BODY_TABLE`` of shape (1,), read-only.
 
     Raises:
         ValueError, OSError, ConfigError: no table can be built.
@@ -126,7 +127,7 @@ def build_body_table(inputs: BodyInputs) -> np.ndarray:
 
 
 def references(body: BodyAeroParams) -> References:
-    """References of a body's coefficients."""
+    """Reference area, lengths and moment point of a body's coefficients."""
     lengths = np.array([body.span_m, body.chord_m, body.span_m])
     return References(body.reference_area_m2, lengths, np.array(body.moment_reference_m))
 
@@ -154,7 +155,7 @@ def directions_of(alpha: np.ndarray, beta: np.ndarray) -> np.ndarray:
 
 
 def of_panels(panels: Panels, to: References, heat_capacity_ratio: float) -> Coefficients:
-    """Coefficients of a mesh, all around."""
+    """Coefficients of a mesh at all attitudes."""
     found = [
         integrals(panels, directions_of(np.radians(alpha), np.radians(MESH_BETA)), to) for alpha in MESH_ALPHA
     ]
@@ -164,10 +165,10 @@ def of_panels(panels: Panels, to: References, heat_capacity_ratio: float) -> Coe
 
 
 def of_csv(path: Path, content: bytes) -> Coefficients:
-    """Coefficients of a csv file; without sideslip those of a body of revolution, by total angle.
+    """Coefficients of a csv file; one without sideslip is of a body of revolution, by total angle of attack.
 
     Raises:
-        ValueError: it is no such table.
+        ValueError: the file is no table of coefficients.
     """
     table = read_aero_csv(path, content)
     if table.has_beta:
@@ -185,7 +186,7 @@ def of_csv(path: Path, content: bytes) -> Coefficients:
 
 
 def _revolved(mach: np.ndarray, angle_deg: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """CX..Cn all around of a body of revolution, from (CA, CY, CN, Cl, Cm, Cn) [Mach, total angle]."""
+    """CX..Cn at all attitudes of a body of revolution, from (CA, CY, CN, Cl, Cm, Cn) [Mach, total angle]."""
     way = directions_of(np.radians(MESH_ALPHA)[:, None], np.radians(MESH_BETA))
     across = arrays.hypot(way[..., 1], way[..., 2])
     total = np.degrees(arrays.atan2(across, way[..., 0]))
@@ -201,10 +202,10 @@ def _revolved(mach: np.ndarray, angle_deg: np.ndarray, columns: np.ndarray) -> n
 
 
 def of_daveml(path: Path, inputs: dict[str, float]) -> Coefficients:
-    """Coefficients of a DAVE-ML model with its other ``inputs`` given.
+    """Coefficients of a DAVE-ML model; ``inputs``: values of its inputs other than the flow, by name.
 
     Raises:
-        ConfigError: the model cannot be read, or depends on more than flow and given inputs.
+        ConfigError: the model cannot be read, or has an input that is neither flow nor given.
     """
     limits = (MACH_NODES, ALPHA_NODES, BETA_NODES)
     sampled = sampled_model(path, inputs, limits, NODES)

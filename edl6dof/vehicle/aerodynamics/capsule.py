@@ -1,4 +1,4 @@
-"""The sphere-cone entry capsule: its shape and tables as given, its coefficients and force in flight."""
+"""The sphere-cone entry capsule: its parameters, and its coefficients and force in flight."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PHOENIX = "Edquist, Desai & Schoenenberger, AIAA 2008-7219"
 DAMPING = "tianwen1.md 1.3, shaped on MER/Phoenix ballistic-range practice (Schoenenberger 2005)"
 
 DEG_PER_RAD = 180.0 / pi
-#: Speed relative to the air (m/s) below which a body feels no force of it.
+#: Speed relative to the air (m/s) below which a body has no aerodynamic force.
 MIN_SPEED = 1e-9
 
 

@@ -50,7 +50,7 @@ def slopes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _end(h0: float, h1: float, d0: np.ndarray, d1: np.ndarray) -> np.ndarray:
-    """End slope that keeps the shape of the data."""
+    """Slope at an end by three points, limited so that the curve keeps the shape of the data."""
     slope = ((2.0 * h0 + h1) * d0 - h0 * d1) / (h0 + h1)
     slope = np.where(np.sign(slope) != np.sign(d0), 0.0, slope)
     return np.where((np.sign(d0) != np.sign(d1)) & (np.abs(slope) > 3.0 * np.abs(d0)), 3.0 * d0, slope)
@@ -106,8 +106,8 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
     """Gather the inputs of the table of a capsule, in a gas of this ratio of specific heats behind the shock.
 
     Raises:
-        ValueError: there is no such static table.
-        OSError: it cannot be read.
+        ValueError: there is no static table of this name.
+        OSError: the table cannot be read.
     """
     made = capsule.coefficients == "newtonian"
     content = b"" if made else read_regular(_existing(capsule.static_table))
@@ -116,8 +116,8 @@ def aero_inputs(capsule: CapsuleParams, heat_capacity_ratio: float) -> AeroInput
 
 @lru_cache(maxsize=8)
 def build_aero_table(inputs: AeroInputs) -> np.ndarray:
-    """The table record (array of one, read-only) of a capsule, slopes per degree; damping on the same Mach
-    grid, so that one look-up serves all coefficients.
+    """Build the table record of a capsule, ``AERO_TABLE`` of shape (1,), read-only, slopes per degree;
+    damping on the same Mach grid, so that one look-up serves all coefficients.
 
     Raises:
         ValueError: no table can be built.
@@ -160,7 +160,7 @@ def build_aero_table(inputs: AeroInputs) -> np.ndarray:
 
 
 def static_table_path(name: str) -> Path:
-    """The file that the name of an aerodynamic table means: a path, or one of edl6dof/data/aerodynamics."""
+    """Path of an aerodynamic table by its name: a path, or a file of edl6dof/data/aerodynamics."""
     return Path(name) if Path(name).exists() else PACKAGED / name
 
 
@@ -200,7 +200,7 @@ def _existing(name: str) -> Path:
 
 
 def _join(alpha: np.ndarray, static: np.ndarray, newton: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes per degree on whole degrees, [Mach, degree, (CA, CN, Cm)]."""
+    """Join table and Newtonian coefficients: values and slopes per degree [Mach, degree, (CA, CN, Cm)]."""
     end = int(alpha[-1])
     parity = np.array([1.0, -1.0, -1.0])
     mirrored = np.concatenate((static[:, :0:-1] * parity, static), axis=1)

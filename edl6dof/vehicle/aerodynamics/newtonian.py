@@ -5,8 +5,8 @@ The capsule is a convex body of revolution, so the only shadowing is n.v < 0, an
 azimuth are closed form: with flow direction (cos a, 0, sin a) and normal (nx, nr cos phi), n.v = nx cos a +
 nr sin a cos phi, positive for |phi| < phi0.
 
-Of a surface of triangles every panel with n.v > 0 is in the flow: right for a convex body.  A body that is
-not convex has panels in the shadow of others, which are counted as though nothing shaded them
+On a surface of triangles every panel with n.v > 0 counts as windward, which is exact for a convex body.  A
+body that is not convex has windward panels in the shadow of others; the shadow is left out
 (:func:`hull_share`).
 """
 
@@ -65,7 +65,7 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
 
 
 def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
-    """Mean pressure coefficient of what the flow does not see.
+    """Mean pressure coefficient of the leeward surface.
 
     Supersonic: Gaubeaud's correlation, which tends to the vacuum's -2 / (g M^2).  Subsonic: from the suction
     of a bluff body at rest to that at Mach 1, with the square of Mach [E].
@@ -81,9 +81,9 @@ def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> n
 
 
 def continuum(newton: np.ndarray, wet: np.ndarray, mach: np.ndarray, ratio: float) -> np.ndarray:
-    """Coefficients at each Mach number (first axis) from integrals of (n.v)^2, and of one, on what the flow
-    sees: modified Newtonian pressure there, base pressure on the rest; ``ratio``: of specific heats behind
-    the shock.
+    """Coefficients at each Mach number (first axis): modified Newtonian pressure on the windward surface,
+    base pressure on the rest.  ``newton``, ``wet``: integrals of (n.v)^2 and of 1 over the windward surface;
+    ``ratio``: of specific heats behind the shock.
     """
     mach = np.asarray(mach, dtype=float)
     # the suction of a bluff body at rest is the base's own part here
@@ -167,8 +167,8 @@ def surface_integrals(
 
 
 def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: float) -> np.ndarray:
-    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of one on all that the flow sees; on the
-    lee alone it has the opposite of these.
+    """Coefficients [angle, (CA, CN, Cm)] of a pressure coefficient of 1 on the windward surface; one on the
+    leeward surface alone gives the opposite values.
     """
     area, bound = 0.25 * pi * diameter * diameter, _windward(rings, angle)[2]
     along, across = 2.0 * bound * rings.nx, 2.0 * arrays.sin(bound)
@@ -179,7 +179,7 @@ def windward_integrals(rings: Rings, angle: np.ndarray, diameter: float, x_ref: 
 
 
 def _windward(rings: Rings, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """n.v = a + b cos phi of every ring at every total angle, and the azimuth up to which it is positive."""
+    """a and b of n.v = a + b cos phi, at every total angle and ring, and the azimuth up to which n.v > 0."""
     a, b = rings.nx * arrays.cos(angle)[:, None], rings.nr * arrays.sin(angle)[:, None]
     tiny = b < 1e-14
     ratio = np.where(tiny, -np.sign(a), -a / np.where(tiny, 1.0, b))
@@ -223,7 +223,7 @@ class References(NamedTuple):
     point: np.ndarray
 
 
-#: Largest net area of a surface that counts as closed, and least volume that counts as one, as a share.
+#: Largest net area of a surface that counts as closed, over its total area.
 _CLOSED = 2e-3
 
 
@@ -231,7 +231,7 @@ def panels_of(corners: np.ndarray) -> Panels:
     """Panels of triangles [triangle, corner, xyz] in B, turned outwards; triangles without area are left out.
 
     Raises:
-        ValueError: they do not close, so that pressure has no resultant.
+        ValueError: the triangles do not form a closed surface, or enclose no volume.
     """
     twice = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = lengths(twice)
@@ -252,7 +252,7 @@ def panels_of(corners: np.ndarray) -> Panels:
 
 
 def hull_share(panels: Panels, corners: np.ndarray) -> float:
-    """Volume of the body over that of its convex hull: 1 for a convex one, whose panels shade no other."""
+    """Volume of the body over that of its convex hull: 1 for a convex body, whose panels shade no other."""
     from scipy.spatial import ConvexHull  # here: no flight needs it
 
     volume = np.sum((panels.centre - panels.centre.mean(axis=0)) * panels.normal * panels.area[:, None]) / 3.0
@@ -268,9 +268,9 @@ def integrals(panels: Panels, directions: np.ndarray, to: References) -> tuple[n
         to: references of the coefficients.
 
     Returns:
-        Newtonian pressure (n.v)^2 on what the flow sees; a pressure coefficient of one there; and
-        free-molecular flow, hyperthermal and diffuse from a cold wall: 2 against the velocity per projected
-        area.
+        Newtonian pressure (n.v)^2 on the windward panels; a pressure coefficient of 1 on these; and
+        free-molecular flow, hyperthermal and diffuse from a cold wall: a force of 2 qbar per projected area
+        against the velocity.
     """
     arm = panels.centre - to.point
     turning = np.cross(arm, panels.normal)

@@ -16,8 +16,10 @@ from edl6dof.spatial.vector import norm
 class SurfaceParams(Hardware):
     """Size, place and effectiveness of a plate that is unfolded once, such as a trim wing."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
-    carried_by: str | None = param(None, "part that it goes with; none: it stays", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
+    carried_by: str | None = param(
+        None, "part that it leaves with; none: it stays on the vehicle", record=False
+    )
     area_m2: float = param(
         REQUIRED, "area of the plate", ge=0.0, usual=(0.01, 20, "trim wings and flaps of capsules")
     )
@@ -62,7 +64,7 @@ def wing_opening(wing, elapsed):
 
 @kernel
 def extension(case, plant, i, t):
-    """Opening 0..1 of surface ``i`` of the vehicle at ``t`` (s), with what a fault leaves of it."""
+    """Opening 0..1 of surface ``i`` of the vehicle at ``t`` (s), reduced by faults."""
     return min(wing_opening(case.vehicle.surfaces[i], t - plant.wing_start[i]), 1.0 - plant.wing_lost[i])
 
 

@@ -50,7 +50,7 @@ class LiftDragParams(Hardware):
     drag_coefficient: float = param(1.0, "CD, force against the velocity", gt=0.0)
     lift_to_drag: float = param(
         0.0,
-        "L/D; lift stands on the velocity in the plane of x and z of B, towards -z",
+        "L/D; lift is normal to the velocity in the x-z plane of B, towards -z",
         ge=-5.0,
         le=5.0,
         usual=(0, 1.5, "ballistic capsule to lifting body"),
@@ -151,13 +151,14 @@ class AeroParams(Hardware):
     """Aerodynamics of the vehicle in all its configurations."""
 
     model: Literal["capsule", "constant", "none", "lift_drag", "body"] = param(
-        "capsule", "which aerodynamic model flies"
+        "capsule", "aerodynamic model that flies"
     )
     capsule: CapsuleParams = group(CapsuleParams, "entry capsule with its heat shield")
     constant: ConstantAeroParams = group(ConstantAeroParams, "constant coefficients")
     lift_drag: LiftDragParams = group(LiftDragParams, "constant drag and lift")
     body: BodyAeroParams = group(
-        BodyAeroParams, "body of any shape; where a part shows a capsule, until that has left"
+        BodyAeroParams,
+        "body of any shape; flown until a part with the shape of a capsule has left, if there is one",
     )
     backshell: BluffParams = param(
         ..., "backshell and lander, heat shield gone", status="estimate", factory=BluffParams
@@ -170,12 +171,13 @@ AERO = dtype_of(AeroParams)
 
 @inlined_kernel
 def aerodynamic_wrench(aero, tables, air, configuration, v_air, rate):
-    """(Fx, Fy, Fz, Mx, My, Mz, x_ref) of whatever flies.
+    """Force and moment (Fx, Fy, Fz, Mx, My, Mz) in `B` of the vehicle in its present configuration, and the
+    station ``x_ref`` (m) of the point that the moment is about.
 
     Args:
         aero: ``AERO`` record, which chooses the model.
-        tables: of a capsule and of a body of any shape.
-        air: ``GAS`` record, dynamic pressure (Pa), Mach number and density (kg/m3).
+        tables: aerodynamic tables of a capsule and of a body of any shape.
+        air: tuple of ``GAS`` record, dynamic pressure (Pa), Mach number and density (kg/m3).
         configuration: ``CONFIG_...``.
         v_air: velocity relative to the air, m/s, B.
         rate: angular velocity relative to the air, rad/s, B.

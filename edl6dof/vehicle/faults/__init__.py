@@ -1,1 +1,1 @@
-"""Faults of the true vehicle and when they begin; the kinds of one component each, listed in the registry."""
+"""Faults of the true vehicle: their kinds, the components that they act on, and when they begin."""

@@ -33,17 +33,17 @@ from edl6dof.vehicle.faults.component import (
 from edl6dof.vehicle.motion.staging import release
 from edl6dof.vehicle.plant import THRUST
 
-#: Longer than any base cycle, s: a valve held open is open all through it.
+#: Duration (s) longer than any base cycle, for which a fault opens a valve.
 LONG = 1.0
 
 
-#: Time (s) of what never happens.
+#: Time (s) of an event that never happens.
 NEVER = 1e99
 
 
 @kernel
 def is_about(event, action, component):
-    """True if an event is an ``action`` on a ``component``, or on a group of engines with it."""
+    """True if an event is an ``action`` on a ``component``, or on a group of engines that contains it."""
     if event.action != action:
         return False
     return is_done_to(event, component) if action >= IGNITE else event.component == component
@@ -51,7 +51,7 @@ def is_about(event, action, component):
 
 @kernel
 def delay_event(case, command, plant, action, component, delay):
-    """Delay an action on a component by ``delay`` s if it is commanded now; engines lit together wait."""
+    """Delay an action on a component by ``delay`` s if it is commanded now; a group of engines waits."""
     for k in range(case.events.n_events):
         event = case.events.events[k]
         if command.request[k] != 0 and is_about(event, action, component):
@@ -60,7 +60,7 @@ def delay_event(case, command, plant, action, component, delay):
 
 @kernel
 def cancel_event(case, plant, action, component):
-    """Let an ``action`` on a ``component`` that is due not happen."""
+    """Cancel a scheduled ``action`` on a ``component``."""
     for k in range(case.events.n_events):
         event = case.events.events[k]
         if is_about(event, action, component):
@@ -84,9 +84,12 @@ class DegradedParams(ThrusterFault):
 
     failure: ClassVar[ThrusterFailure | None] = "degraded"
 
-    thrust_factor: float = param(0.5, "thrust left", ge=0.0, lt=1.0)
+    thrust_factor: float = param(0.5, "remaining share of the thrust", ge=0.0, lt=1.0)
     flow_factor: float = param(
-        0.0, "propellant flow left: 1 with a bad catalyst; 0: as much as of the thrust", ge=0.0, le=1.0
+        0.0,
+        "remaining share of the propellant flow, 1 with a bad catalyst; 0: the same share as of the thrust",
+        ge=0.0,
+        le=1.0,
     )
 
 
@@ -101,7 +104,7 @@ class WeakThrustersParams(RcsFault):
 
     failure: ClassVar[ThrusterFailure | None] = "degraded"
 
-    thrust_factor: float = param(0.8, "thrust and flow left", ge=0.0, lt=1.0)
+    thrust_factor: float = param(0.8, "remaining share of thrust and flow", ge=0.0, lt=1.0)
 
 
 @kernel
@@ -141,7 +144,7 @@ def branch_dead(fault, case, since, command, plant):
 
 @kernel
 def weak_thrusters(fault, case, since, command, plant):
-    """Take away part of the thrust and flow of all."""
+    """Take away part of the thrust and flow of all thrusters."""
     plant.valves.feed_lost = 1.0 - fault.params.weak_thrusters.thrust_factor
     for i in range(case.vehicle.rcs.n_thrusters):
         if plant.valves.fault[i] == 0:
@@ -161,7 +164,10 @@ class WingStuckParams(SurfaceFault):
     """The surface opens no further."""
 
     opening: float = param(
-        0.0, "opening at which it stays, unless it is further open already", ge=0.0, lt=1.0
+        0.0,
+        "opening (0 closed, 1 open) at which it sticks, unless it is open further already",
+        ge=0.0,
+        lt=1.0,
     )
 
 
@@ -194,7 +200,7 @@ class ParachuteDelayParams(ParachuteFault):
 
     over_after: ClassVar[tuple[Action, ...]] = ("deploy",)
 
-    delay_s: float = param(3.0, "time lost", gt=0.0, le=600.0)
+    delay_s: float = param(3.0, "delay of the deployment", gt=0.0, le=600.0)
 
 
 class ParachuteDeadParams(ParachuteFault):
@@ -206,35 +212,35 @@ class ParachuteDeadParams(ParachuteFault):
 class CanopyTornParams(ParachuteFault):
     """The canopy loses part of its drag area, at once or as it opens."""
 
-    area_factor: float = param(0.7, "drag area left", ge=0.0, lt=1.0)
+    area_factor: float = param(0.7, "remaining share of the drag area", ge=0.0, lt=1.0)
 
 
 class RiserTornParams(ParachuteFault):
-    """The riser parts: the canopy goes, at once or when it is out."""
+    """The riser breaks: the vehicle loses the canopy, at once or when it is deployed."""
 
 
 @kernel
 def parachute_delay(fault, case, since, command, plant):
-    """Put the deployment off when it is commanded."""
+    """Delay the deployment when it is commanded."""
     delay = fault.params.parachute_delay.delay
     delay_event(case, command, plant, action=DEPLOY, component=fault.component, delay=delay)
 
 
 @kernel
 def parachute_dead(fault, case, since, command, plant):
-    """Let the deployment not happen."""
+    """Cancel the deployment."""
     cancel_event(case, plant, DEPLOY, fault.component)
 
 
 @kernel
 def canopy_torn(fault, case, since, command, plant):
-    """Take part of the area away."""
+    """Take away part of the drag area."""
     plant.canopy_lost[fault.component] = 1.0 - fault.params.canopy_torn.area_factor
 
 
 @kernel
 def riser_torn(fault, case, since, command, plant):
-    """Let the canopy go."""
+    """Release the canopy."""
     release(case, plant, fault.component)
 
 
@@ -254,7 +260,7 @@ _PARACHUTE = (
 class EngineShortfallParams(EngineFault):
     """The engine gives less thrust than its throttle is set to."""
 
-    thrust_factor: float = param(0.8, "thrust left", ge=0.0, lt=1.0)
+    thrust_factor: float = param(0.8, "remaining share of the thrust", ge=0.0, lt=1.0)
 
 
 class EngineDeadParams(EngineFault):
@@ -266,18 +272,18 @@ class IgnitionDelayParams(EngineFault):
 
     over_after: ClassVar[tuple[Action, ...]] = ("ignite",)
 
-    delay_s: float = param(2.0, "time lost", gt=0.0, le=600.0)
+    delay_s: float = param(2.0, "delay of the ignition", gt=0.0, le=600.0)
 
 
 class EngineMisalignedParams(EngineFault):
     """The thrust turns away from where it pointed, as with a bent mount or a burnt nozzle."""
 
-    turn_y_deg: float = param(1.5, "about y of B", ge=-10.0, le=10.0)
-    turn_z_deg: float = param(0.0, "about z of B", ge=-10.0, le=10.0)
+    turn_y_deg: float = param(1.5, "rotation of the thrust about y of B", ge=-10.0, le=10.0)
+    turn_z_deg: float = param(0.0, "rotation of the thrust about z of B", ge=-10.0, le=10.0)
 
 
 class ThrottleStuckParams(EngineFault):
-    """The throttle of the engine stays where it is; before ignition, at full thrust.  Cut-off still works."""
+    """The throttle sticks at its present level; before ignition, at full thrust.  Cut-off still works."""
 
 
 @kernel
@@ -294,7 +300,7 @@ def engine_dead(fault, case, since, command, plant):
 
 @kernel
 def ignition_delay(fault, case, since, command, plant):
-    """Put the ignition off when it is commanded."""
+    """Delay the ignition when it is commanded."""
     delay = fault.params.ignition_delay.delay
     delay_event(case, command, plant, action=IGNITE, component=fault.component, delay=delay)
 
@@ -308,7 +314,7 @@ def engine_misaligned(fault, case, since, command, plant):
 
 @kernel
 def throttle_stuck(fault, case, since, command, plant):
-    """Hold the level of the moment the fault began."""
+    """Hold the thrust that the engine had when the fault began; full thrust if it was off."""
     i = fault.component
     if plant.t == since:
         running = plant.running[i] != 0
@@ -333,11 +339,11 @@ _ENGINE = (
 class TankLeakParams(TankFault):
     """Propellant leaks out of the tank; left out: the force of its jet."""
 
-    flow_kg_s: float = param(0.5, "what leaks", gt=0.0, le=100.0)
+    flow_kg_s: float = param(0.5, "mass flow of the leak", gt=0.0, le=100.0)
 
 
 class TankBlockedParams(TankFault):
-    """The feed of the tank is shut: the others give all; what has no other gives no thrust."""
+    """The feed of the tank is shut: engines and thrusters without another tank give no thrust."""
 
 
 @kernel
@@ -360,5 +366,5 @@ _TANK = (
 )
 
 
-#: In the order of their indices.
+#: Kinds of fault of actuators, in the order of their indices.
 MEMBERS = (*_THRUSTER, *_SURFACE, *_PARACHUTE, *_ENGINE, *_TANK)

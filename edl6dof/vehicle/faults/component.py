@@ -10,7 +10,7 @@ from edl6dof.interface.effectors import Action, ThrusterFailure
 from edl6dof.interface.roles import Role
 from edl6dof.vehicle.vehicle import VehicleParams
 
-#: Kinds of component; a fault names the one it acts on under the key of the same name.
+#: Kinds of component; a fault names its component under the key of that kind, such as ``thruster: D7``.
 Component = Literal[
     "thruster",
     "branch",
@@ -30,7 +30,7 @@ Component = Literal[
     "stereo",
 ]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
-#: Those that measure.
+#: Kinds of component that measure.
 INSTRUMENTS: tuple[Component, ...] = (
     *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
     *("flow_meter", "landing_camera", "lidar", "stereo"),
@@ -53,14 +53,14 @@ def vehicle_components(vehicle: VehicleParams) -> dict[Component, list[str]]:
 
 
 class ComponentFault(Params):
-    """Parameters of a fault of one component, of one of several kinds."""
+    """Parameters of a fault of one component, whose kind is one of ``components``."""
 
     components: ClassVar[tuple[Component, ...]]
-    #: What is done to the component, or to the part it goes with, after which the fault changes nothing.
+    #: Actions on the component, or on the part that carries it, after which the fault has no effect.
     over_after: ClassVar[tuple[Action, ...]] = ()
-    #: Roles of the phases in which it happens, where it does in some only.
+    #: Roles of the phases in which the fault can happen; empty: in all.
     happens_in: ClassVar[tuple[Role, ...]] = ()
-    #: How thrusters fail, of a fault that makes them fail: what a right isolation says of each of them.
+    #: Failure that a correct fault isolation finds in each thruster; none for a fault of no thruster.
     failure: ClassVar[ThrusterFailure | None] = None
 
 

@@ -1,4 +1,4 @@
-"""Faults: what breaks, and when.  They change the true vehicle only; the flight computer has to find out.
+"""Faults of the true vehicle: kind, component and start.  The flight computer gets no notice of them.
 
 A fault acts on one component of the vehicle, given by its name; the only one of its kind need not be named.
 It begins at a flight time, or a while after a mission phase was entered, and lasts, unless its kind has a
@@ -35,7 +35,7 @@ FAULT_KINDS = Family("fault kind", (*actuators.MEMBERS, *instrument.MEMBERS))
 
 
 def about(kind: str) -> type[ComponentFault]:
-    """Parameter model of a kind of fault; it declares what the fault is about."""
+    """Parameter model of a kind of fault; it declares the kinds of component that can have the fault."""
     params = FAULT_KINDS.member(kind).params
     assert issubclass(params, ComponentFault), f"the parameters of {kind} must derive from ComponentFault"
     return params
@@ -85,12 +85,12 @@ class FaultParams(_NamedComponent):
 
     @property
     def component(self) -> Component:
-        """Kind of component that the fault is about."""
+        """Kind of component that the fault acts on."""
         allowed = about(self.kind).components
         return next((name for name in allowed if getattr(self, name) is not None), allowed[0])
 
     def acts_on(self, components: Components) -> str:
-        """Name of the component that a checked fault acts on, of those there are."""
+        """Name of the component that a checked fault acts on; ``components``: names by kind."""
         name: str | None = getattr(self, self.component)
         return name or components[self.component][0]
 
@@ -112,7 +112,7 @@ FAULTS = record(("count", "i8"), ("slots", FAULT, (MAX_FAULTS,)))
 def fault_problems(
     faults: Sequence[FaultParams], components: Components, phases: Sequence[str]
 ) -> dict[str, str]:
-    """Problems of components and phases that faults name or leave out, by dotted key."""
+    """Problems of faults with a wrong or missing component or phase: messages by dotted key."""
     problems: dict[str, str] = {}
     for index, fault in enumerate(faults):
         kind, names = fault.component, components.get(fault.component, ())

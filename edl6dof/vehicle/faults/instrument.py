@@ -1,6 +1,6 @@
-"""Faults of one reading, of a gyro, an accelerometer, a beam or a flow meter, and of whole instruments.
+"""Faults of one reading (gyro, accelerometer, beam, flow meter) and of whole instruments.
 
-They are written where the sensors read them (:mod:`edl6dof.vehicle.plant`), and show in the reading of
+Their effects are written to ``INSTRUMENT_FAULTS`` (:mod:`edl6dof.vehicle.plant`), which the sensors read in
 the next cycle.
 """
 
@@ -21,9 +21,9 @@ CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
 class InstrumentFault(ComponentFault):
-    """Parameters of a fault that may pass."""
+    """Parameters of a fault of an instrument, temporary or permanent."""
 
-    duration_s: float = param(0.0, "how long it lasts; 0: to the end", ge=0.0)
+    duration_s: float = param(0.0, "duration; 0: to the end of the flight", ge=0.0)
 
 
 class ReadingFault(InstrumentFault):
@@ -33,7 +33,7 @@ class ReadingFault(InstrumentFault):
 
 
 class CounterFault(InstrumentFault):
-    """Parameters of a fault of an instrument with a range."""
+    """Parameters of a fault of an instrument with a limited range."""
 
     components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer")
 
@@ -41,56 +41,56 @@ class CounterFault(InstrumentFault):
 class ReadingBiasParams(ReadingFault):
     """The reading is too large by a constant."""
 
-    rate_deg_s: float = param(0.05, "of a gyro", ge=-1e3, le=1e3)
-    acceleration_m_s2: float = param(0.05, "of an accelerometer", ge=-1e3, le=1e3)
-    range_m: float = param(20.0, "of the range of a beam", ge=-1e4, le=1e4)
-    speed_m_s: float = param(2.0, "of the speed of a beam", ge=-1e3, le=1e3)
-    flow_kg_s: float = param(0.02, "of a flow meter", ge=-10.0, le=10.0)
+    rate_deg_s: float = param(0.05, "bias of a gyro", ge=-1e3, le=1e3)
+    acceleration_m_s2: float = param(0.05, "bias of an accelerometer", ge=-1e3, le=1e3)
+    range_m: float = param(20.0, "bias of the range of a beam", ge=-1e4, le=1e4)
+    speed_m_s: float = param(2.0, "bias of the speed of a beam", ge=-1e3, le=1e3)
+    flow_kg_s: float = param(0.02, "bias of a flow meter", ge=-10.0, le=10.0)
 
 
 class ReadingDriftParams(ReadingFault):
-    """The reading is too large by what grows with time."""
+    """The reading has an error that grows linearly with time."""
 
-    rate_deg_s2: float = param(0.01, "of a gyro", ge=-1e3, le=1e3)
-    acceleration_m_s3: float = param(0.01, "of an accelerometer", ge=-1e3, le=1e3)
-    range_m_s: float = param(2.0, "of the range of a beam", ge=-1e4, le=1e4)
-    speed_m_s2: float = param(0.2, "of the speed of a beam", ge=-1e3, le=1e3)
-    flow_kg_s2: float = param(0.002, "of a flow meter", ge=-10.0, le=10.0)
+    rate_deg_s2: float = param(0.01, "drift of a gyro", ge=-1e3, le=1e3)
+    acceleration_m_s3: float = param(0.01, "drift of an accelerometer", ge=-1e3, le=1e3)
+    range_m_s: float = param(2.0, "drift of the range of a beam", ge=-1e4, le=1e4)
+    speed_m_s2: float = param(0.2, "drift of the speed of a beam", ge=-1e3, le=1e3)
+    flow_kg_s2: float = param(0.002, "drift of a flow meter", ge=-10.0, le=10.0)
 
 
 class ReadingNoiseParams(ReadingFault):
-    """The reading scatters; standard deviations from one cycle to the next."""
+    """The reading has more noise, independent from cycle to cycle; parameters: standard deviations."""
 
-    rate_deg_s: float = param(0.5, "of a gyro", ge=0.0, le=1e3)
-    acceleration_m_s2: float = param(0.5, "of an accelerometer", ge=0.0, le=1e3)
-    range_m: float = param(20.0, "of the range of a beam", ge=0.0, le=1e4)
-    speed_m_s: float = param(2.0, "of the speed of a beam", ge=0.0, le=1e3)
-    flow_kg_s: float = param(0.02, "of a flow meter", ge=0.0, le=10.0)
+    rate_deg_s: float = param(0.5, "noise of a gyro", ge=0.0, le=1e3)
+    acceleration_m_s2: float = param(0.5, "noise of an accelerometer", ge=0.0, le=1e3)
+    range_m: float = param(20.0, "noise of the range of a beam", ge=0.0, le=1e4)
+    speed_m_s: float = param(2.0, "noise of the speed of a beam", ge=0.0, le=1e3)
+    flow_kg_s: float = param(0.02, "noise of a flow meter", ge=0.0, le=10.0)
 
 
 class ReadingStuckParams(ReadingFault):
-    """The reading stays what it was."""
+    """The reading stays at its last value."""
 
 
 class ReadingOutageParams(ReadingFault):
-    """Nothing is read: an instrument counts no further, a beam has no echo."""
+    """The instrument gives no reading: a counter stops, a beam has no echo."""
 
 
 class HardoverParams(CounterFault):
-    """The reading goes to the end of its range, and no flag says so."""
+    """The reading goes to the end of its range, without the flag of saturation."""
 
 
 class SaturationParams(CounterFault):
-    """The reading is at the end of its range, on the side of the true motion, and its flag is on."""
+    """The reading is at the end of its range, on the side of the true motion, with the flag of saturation."""
 
 
 class GyrosSaturatedParams(InstrumentFault):
-    """All gyros at the end of their range at once, as when a parachute opens."""
+    """All gyros are at the end of their range at once, as when a parachute opens."""
 
     components: ClassVar[tuple[Component, ...]] = ("inertial_unit",)
     happens_in: ClassVar[tuple[Role, ...]] = (PARACHUTE,)
 
-    duration_s: float = param(1.0, "how long it lasts; 0: to the end", ge=0.0)
+    duration_s: float = param(1.0, "duration; 0: to the end of the flight", ge=0.0)
 
 
 class FalseLockParams(InstrumentFault):
@@ -109,13 +109,13 @@ class StarsLostParams(InstrumentFault):
 
 
 class ImagesLostParams(InstrumentFault):
-    """An eye makes no images any more; a scan under way ends."""
+    """The imager makes no images any more; a scan in progress ends."""
 
     components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo")
 
 
 class MirrorStuckParams(InstrumentFault):
-    """The mirror of the lidar stays where it is: all rows of a scan show the same ground."""
+    """The mirror of the lidar does not move: all rows of a scan show the same ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("lidar",)
 
@@ -166,7 +166,7 @@ def reading_bias(fault, case, since, command, plant):
 
 @kernel
 def reading_drift(fault, case, since, command, plant):
-    """Add what has grown since."""
+    """Add an error that has grown since the fault began."""
     p = fault.params.reading_drift
     age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
     set_offset(fault, plant, p, age)
@@ -211,7 +211,7 @@ def hardover(fault, case, since, command, plant):
 
 @kernel
 def saturation(fault, case, since, command, plant):
-    """Go to the end of the range and say so."""
+    """Go to the end of the range, with the flag of saturation."""
     on = lasts(fault.params.saturation.duration, since, plant.t)
     set_mode(fault, plant, SATURATED if on else WORKING)
 
@@ -244,7 +244,7 @@ def stars_lost(fault, case, since, command, plant):
 
 @kernel
 def images_lost(fault, case, since, command, plant):
-    """Lose the images of an eye."""
+    """Lose the images of an imager."""
     lost = 1 if lasts(fault.params.images_lost.duration, since, plant.t) else 0
     if fault.of == CAMERA:
         plant.instruments.camera_lost = lost

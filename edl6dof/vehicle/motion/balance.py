@@ -1,17 +1,17 @@
-"""Balance of a flight: momentum, energy and mass that its vehicle was given, summed up along the way.
+"""Balance of a flight: momentum, energy and mass that the vehicle gained and lost, summed up along it.
 
-The sums do not use the derivatives that the integrator sums up.  Over a step forces and power are taken by
-the trapezoidal rule from the states at both ends, thrusters and engines with their mean thrust of the step,
-which pulses change much within one; at an event the vehicle loses the mass and the momentum that canopy and
-parts that have left gain.  What the state has become since the start is compared with them after the flight
+The sums do not use the derivatives of the integrator.  Over a step forces and power are integrated by the
+trapezoidal rule from the states at both ends; thrusters and engines count with their mean thrust, since
+pulses change within a step.  At an event the vehicle loses the mass and momentum that the canopy and departed
+parts gain.  After the flight the sums are compared with the change of the state
 (:mod:`edl6dof.metrics.record_figures`).
 
-The vehicle is the body that is balanced: the pull of a riser and the push of the ground are forces on it.
-All is per kilogramme of the vehicle but its mass, so that propellant that leaves takes nothing else along.
+The balance is of the vehicle alone: the pull of a riser and the push of the ground are external forces.
+Momentum and energy are per kilogramme of the vehicle, so that the flow of propellant changes the mass only.
 At a separation the work of the springs follows from momentum (theorem of Koenig).  Left out: rotation, and
 the canopy between its own events.
 
-The largest loads that the vehicle has met are kept in the same way (:func:`update_peaks`).
+The largest loads are recorded at the same places (:func:`update_peaks`).
 """
 
 from __future__ import annotations
@@ -47,10 +47,11 @@ def open_balance(case, plant):
 
 @kernel
 def rates(case, plant, outputs):
-    """At the present state: acceleration (I, m/s2) and power of all forces but gravitation (W/kg), both
-    without engines and with the mean of the step of thrusters; attitude, velocity and inverse of the mass.
+    """Rates at the present state: acceleration (I, m/s2) with gravitation, power of all other forces (W/kg),
+    attitude, velocity (I, m/s) and inverse of the mass (1/kg).  Acceleration and power are without engines
+    and with the mean thruster force of the step.
 
-    Gravitation adds to the power what the turning of a field does that is not symmetric about its axis.
+    The power includes that of a rotating gravity field which is not symmetric about its axis.
     """
     out, inputs = outputs, plant.inputs
     force, _ = engines(case, plant, plant.y, THRUST)
@@ -82,7 +83,9 @@ def engines(case, plant, thrusts, first):
 
 @kernel
 def weigh(case, plant, work, h, begun, ended):
-    """Write momentum and work of a step of ``h`` s into ``work``; ``begun``, ``ended``: its :func:`rates`."""
+    """Write velocity gained, work and mass lost in a step of ``h`` s into ``work``; ``begun``, ``ended``:
+    :func:`rates` at its start and end.
+    """
     for i in range(THRUST, THRUST + case.vehicle.n_engines):
         work.thrust[i - THRUST] = plant.y[i] - h / 6.0 * (work.k[1, i] + work.k[2, i] + work.k[3, i])
     force, flow = engines(case, plant, work.thrust, 0)
@@ -103,7 +106,7 @@ def weigh(case, plant, work, h, begun, ended):
 
 @kernel
 def book(plant, work):
-    """Book the step that ``work`` holds: one that stands, and is not repeated to find an event."""
+    """Add the step in ``work`` to the balance, once it need not be repeated to find an event."""
     kept = plant.balance
     put3(kept.velocity, 0, add(take3(kept.velocity, 0), take3(work.velocity, 0)))
     kept.work += work.work
@@ -112,7 +115,9 @@ def book(plant, work):
 
 @kernel
 def bodies(case, plant):
-    """Mass (kg), position and velocity (I) of the vehicle; mass and momentum (I, N s) of what has left it."""
+    """Mass (kg), position and velocity (I) of the vehicle; mass and momentum (I, N s) of the parts that have
+    left it.
+    """
     mass, momentum = 0.0, (0.0, 0.0, 0.0)
     for i in range(case.vehicle.n_parts):
         part = plant.debris[i]
@@ -128,7 +133,9 @@ def bodies(case, plant):
 
 @kernel
 def settle(case, plant, outputs, before):
-    """Book an event: the vehicle loses what the other :func:`bodies` have gained since ``before``."""
+    """Add an event to the balance: the vehicle loses what the other bodies have gained; ``before``: result of
+    :func:`bodies` before the event.
+    """
     m, r, v, others, momentum = before
     m_now, r_now, v_now, others_now, momentum_now = bodies(case, plant)
     due = scale(1.0 / m_now, sub(scale(m, v), sub(momentum_now, momentum)))
@@ -142,8 +149,8 @@ def settle(case, plant, outputs, before):
 
 @kernel
 def update_peaks(plant, outputs, peaks):
-    """Bring ``peaks`` up to date with ``outputs``: the load of the entry up to the first deployment of a
-    parachute, that under a parachute by itself.  What the ground does to the vehicle is no load of flight.
+    """Update ``peaks`` with ``outputs``: the load of the entry until the first deployment of a parachute, the
+    load under a parachute separately, neither in contact with the ground.
     """
     if outputs.pads == 0:
         load = norm(take3(outputs.specific_force_B, 0))

@@ -62,9 +62,10 @@ from edl6dof.vehicle.surroundings import gravity, surroundings
 @kernel
 def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
     """Time derivative ``dy`` of the state ``y`` at time ``t`` (s), with the planet turned by ``rotation``;
-    the quantities met on the way go to ``outputs``.
+    the quantities computed on the way go to ``outputs``.
 
-    A function of these and of parts, commands and ``inputs`` in ``plant``: of nothing evaluated before.
+    The result depends only on the arguments and on parts, commands and ``inputs`` in ``plant``, never on an
+    earlier evaluation.
     """
     loads(case, tables, plant, t, rotation, y=y, outputs=outputs)
     if case.dynamics == POINT_MASS:
@@ -75,7 +76,9 @@ def derivatives(case, tables, plant, t, rotation, y, outputs, dy):
 
 @inlined_kernel
 def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
-    """Aerodynamic force and moment about the centre of mass (B); Mach, dynamic pressure, least opening."""
+    """Aerodynamic force and moment about the centre of mass (B); Mach number, dynamic pressure (Pa), and
+    smallest opening (0..1) of the surfaces commanded to open.
+    """
     vehicle = case.vehicle
     density, sound = gas[0], gas[3]
     speed = norm(v_air)
@@ -86,7 +89,7 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
     force = (wrench[0], wrench[1], wrench[2])
     arm = (wrench[6] - centre[0], -centre[1], -centre[2])
     moment = add((wrench[3], wrench[4], wrench[5]), cross(arm, force))
-    least = 2.0  # more than open: none was to open yet
+    least = 2.0  # above any opening: no surface was commanded to open
     for i in range(vehicle.n_surfaces):
         if plant.wing_start[i] > t:
             continue
@@ -102,9 +105,9 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
 
 @kernel
 def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
-    """Pull of the riser: force and moment about the centre of mass (B), tension (N); and of the canopy, in
-    the air at its own height, its acceleration without gravitation (I) and the share of gravitation that its
-    apparent mass leaves it.
+    """Loads of the riser on the vehicle: force and moment about the centre of mass (B), tension (N).  Motion
+    of the canopy, in the air at its own height: acceleration without gravitation (I, m/s2), and the factor on
+    gravitation (below 1) due to its apparent mass.
     """
     chute = case.vehicle.parachutes[plant.parachute]
     r_I = take3(y, POSITION)
@@ -136,8 +139,8 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
 
 @inlined_kernel
 def loads(case, tables, plant, t, rotation, y, outputs):
-    """Write surroundings, mass properties and all that acts on the vehicle but its propulsion at time ``t``
-    (s) into ``outputs``; they do not depend on the commands to engine and thrusters.
+    """Write surroundings, mass properties and all loads except propulsion at time ``t`` (s) into ``outputs``;
+    these do not depend on the commands to engine and thrusters.
     """
     r_I, w = take3(y, POSITION), take3(y, RATE)
     place, gas, wind_N, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, r_I)
@@ -223,7 +226,7 @@ def propulsion(case, plant, t, y, centre, dy):
 
 @inlined_kernel
 def thrust_by_thrusters(case, plant, rcs_force):
-    """Thrust (N) of a running engine that is made of thrusters, of their force (B); 0 where there is none."""
+    """Thrust (N) of a running engine that consists of thrusters, from their force (N, B); 0 without one."""
     for i in range(case.vehicle.n_engines):
         if case.vehicle.engines[i].model == BY_THRUSTERS and plant.running[i] != 0:
             return max(-rcs_force[0], 0.0)
@@ -235,8 +238,8 @@ def motion(case, plant, t, y, outputs, dy):
     """Derivative ``dy`` of the state ``y`` at time ``t`` (s) under the loads in ``outputs``, the engines and
     the thrusters.
 
-    Thruster forces and flows are linear in time over the current step, forces less what the air takes
-    (:mod:`edl6dof.vehicle.propulsion.rcs`), and after it their mean.
+    Thruster forces and flows are linear in time over the current step, and constant at their mean after it;
+    the air flow reduces the forces (:mod:`edl6dof.vehicle.propulsion.rcs`).
     """
     out, inputs = outputs, plant.inputs
     q, w = take_attitude(y), take3(y, RATE)

@@ -94,7 +94,7 @@ def least_propellant(case, plant, outputs):
 
 @kernel
 def run_dry(case, plant):
-    """Tanks are empty: what none but they feed goes out."""
+    """Note the time at which tanks have run empty; engines and thrusters that they alone feed go out."""
     for k in range(case.vehicle.n_tanks):
         if still_to_empty(case, plant, k) and plant.y[PROPELLANT + k] <= 0.0:
             plant.exhausted_time[k] = plant.t
@@ -103,7 +103,7 @@ def run_dry(case, plant):
 
 @kernel
 def until_event(case, plant, outputs):
-    """Smallest of the event functions: positive until the first event, whichever it is."""
+    """Smallest of the event functions: positive until the first event."""
     least = min(NOT_ARMED, least_propellant(case, plant, outputs))
     least = min(least, slack(case, plant, outputs))
     return min(least, clearance(case, plant, outputs))
@@ -111,7 +111,7 @@ def until_event(case, plant, outputs):
 
 @kernel
 def carry_out_state_events(case, plant, outputs):
-    """Carry out every event of the state that has come; the order is that of events at one moment."""
+    """Carry out every event of the state that has occurred, simultaneous ones in this order."""
     if least_propellant(case, plant, outputs) <= 0.0:
         run_dry(case, plant)
     if slack(case, plant, outputs) <= 0.0:
@@ -132,7 +132,7 @@ def next_scheduled(case, plant, t_end):
 
 @kernel
 def remember_start(case, plant, work):
-    """Keep what a step changes and the integrator does not keep itself."""
+    """Save the quantities that a step changes outside the integrated state."""
     for i in range(work.level0.shape[0]):
         work.level0[i] = plant.valves.level[i]
     for k in range(case.branches.count):
@@ -192,7 +192,7 @@ def step_to_event(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def next_stop(case, plant, due):
-    """End (s) of the next step towards ``due`` (s); a canopy or the ground asks for shorter equal steps."""
+    """End (s) of the next step towards ``due`` (s); shorter with a canopy out or on the ground."""
     longest = due - plant.t
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         longest = min(longest, case.simulation.canopy_step)

@@ -2,8 +2,8 @@
 
 Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body;
 angle of attack is the commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one
-at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, what follows
-the parachute; in a wind, bank here is about the air-relative velocity and the command about the
+at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, and the flight
+after parachute deployment; in a wind, bank here is about the air-relative velocity and the command about the
 planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
 Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
 """
@@ -31,15 +31,13 @@ class PathDisturbanceParams(Params):
     """Disturbance of the flight-path rate, amplitude sin(frequency t) (Yan, Sun & Guo 2016, eq. 5)."""
 
     amplitude_rad_s: float = param(0.0, "amplitude of the added flight-path rate", ge=0.0, le=0.1)
-    frequency_rad_s: float = param(1.0, "its frequency", ge=0.0, le=20.0)
+    frequency_rad_s: float = param(1.0, "frequency of the disturbance", ge=0.0, le=20.0)
 
 
 class PointMassParams(Params):
-    """How a point mass carries out commands, and what disturbs it."""
+    """Response of a point mass to commands, and its disturbance."""
 
-    bank_response: Literal["ideal", "rate_limited"] = param(
-        "rate_limited", "whether the bank angle follows at once"
-    )
+    bank_response: Literal["ideal", "rate_limited"] = param("rate_limited", "ideal: bank follows at once")
     bank_rate_deg_s: float = param(
         20.0, "largest bank rate of response rate_limited", status="published", source="S1", gt=0.0
     )
@@ -58,7 +56,7 @@ def bank_at(case, plant, t):
 
 @kernel
 def command_bank(case, plant, bank, alpha):
-    """Go to another bank angle and angle of attack (rad) from where the vehicle is at ``plant.t``."""
+    """Command a bank angle and an angle of attack (rad), from the present bank angle at ``plant.t``."""
     plant.bank = bank_at(case, plant, plant.t)
     plant.bank_time = plant.t
     plant.bank_command = bank

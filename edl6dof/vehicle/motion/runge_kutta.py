@@ -1,10 +1,10 @@
-"""One step of the classical Runge-Kutta method of fourth order, and what it starts from and leaves.
+"""One step of the classical Runge-Kutta method of fourth order, its inputs and its outputs.
 
-Some inputs of the derivative are laid down for a step: as lines in time the wrench of the thrusters in
-vacuum, their propellant flow, and what the thrust of the engines strives for; as constants the planes of the
-ground, which tanks are not empty, and the noncentral part of gravitation, taken at the predicted middle of
-the step.  In a step of 10 ms at 6 km/s that part changes by 4e-7 m/s2, evenly: holding it displaces the
-vehicle by less than 1e-6 m in a minute of coasting, and costs one sum of harmonics a step instead of four.
+Some inputs of the derivative are set once a step.  Linear in time: force and moment of the thrusters in
+vacuum, their propellant flow, and the thrust goals of the engines.  Constant: the planes of the ground, the
+tanks that are not empty, and the noncentral part of gravitation at the predicted middle of the step.  In a
+step of 10 ms at 6 km/s this part changes by 4e-7 m/s2, linearly: a constant one displaces the vehicle by less
+than 1e-6 m in a minute of coasting, and costs one sum of harmonics a step instead of four.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from edl6dof.vehicle.propulsion.feed_system import load_within_reach
 from edl6dof.vehicle.propulsion.rcs import fire
 from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation
 
-#: Height (m) above the ground last seen below which every step looks at the ground; no terrain rises so far
+#: Height (m) above the last known ground below which every step evaluates the ground; no terrain rises so far
 #: within a cycle.
 NEAR_GROUND = 2000.0
 
@@ -61,7 +61,9 @@ def survey(case, tables, plant, outputs):
 
 @kernel
 def look_at_ground(case, tables, plant, outputs, areoid):
-    """Set the plane of the ground and the height above it; ``areoid``: its height (m) and rise per metre."""
+    """Set the plane of the ground and the height above it; ``areoid``: height (m) and rise per metre of the
+    areoid.
+    """
     inputs, out = plant.inputs, outputs
     elevation, slope_north, slope_east = ground(case.terrain, tables.terrain, out.latitude, out.longitude)
     inputs.ground_altitude = areoid[0] + elevation
@@ -72,7 +74,7 @@ def look_at_ground(case, tables, plant, outputs, areoid):
 
 @kernel
 def evaluate(case, tables, plant, outputs, work):
-    """Bring ``outputs`` up to date; whatever changes the state between steps must end with this."""
+    """Update ``outputs``; required after every change of the state between steps."""
     evaluate_at(case, tables, plant, outputs, work, rotation=planet_rotation(case.planet, plant.t))
 
 
@@ -97,7 +99,7 @@ def evaluate_at(case, tables, plant, outputs, work, rotation):
 
 @kernel
 def lay_down_inputs(case, plant, rotation, h):
-    """Set the inputs of the step of ``h`` s from now; ``rotation``: of the planet at its middle."""
+    """Set the inputs of a step of ``h`` s from now; ``rotation``: of the planet at its middle."""
     inputs = plant.inputs
     for k in range(MAX_TANKS):
         inputs.filled[k] = 1 if plant.y[PROPELLANT + k] > 0.0 and plant.blocked[k] == 0 else 0
@@ -121,7 +123,7 @@ def lay_down_inputs(case, plant, rotation, h):
 
 @kernel
 def set_goals(case, plant, h):
-    """Set the thrust goals of a step of ``h`` s: none for an engine that is off or has no propellant."""
+    """Set the thrust goals of a step of ``h`` s: zero for an engine that is off or has no propellant."""
     inputs, engines = plant.inputs, case.vehicle.engines
     for i in range(case.vehicle.n_engines):
         fed = load_within_reach(case.feeds.engines, i, inputs.filled) > 0.0
@@ -170,8 +172,8 @@ def normalise(y):
 
 @kernel
 def step(case, tables, plant, outputs, work, t_end):
-    """One step to ``t_end`` (s), thrusters included: from the ``outputs`` of the present state to those of
-    its end; False when it failed.
+    """Fly one step to ``t_end`` (s), thrusters included; ``outputs`` belong to the state before and after.
+    Returns False if the step failed.
     """
     h = t_end - plant.t
     work.t0 = plant.t
@@ -207,7 +209,9 @@ def step(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def finite(y):
-    """True if vehicle states, or derivatives, are finite; a canopy that is not shows in them at once."""
+    """True if vehicle states, or derivatives, are finite; those of a canopy need no check, as they act on
+    these.
+    """
     total = 0.0
     for i in range(STATES_VEHICLE):
         total += 0.0 * y[i]
@@ -216,7 +220,7 @@ def finite(y):
 
 @kernel
 def undo(plant, work):
-    """Return from a step that failed to its start; its result goes to ``work.stage``."""
+    """Return to the start of a step that failed; the result of the step goes to ``work.stage``."""
     for i in range(STATES):
         work.stage[i], plant.y[i] = plant.y[i], work.y0[i]
     work.t_failed, plant.t = plant.t, work.t0
@@ -224,9 +228,9 @@ def undo(plant, work):
 
 @kernel
 def retrace(case, tables, plant, outputs, work):
-    """Evaluate the stages of the step that :func:`undo` has undone up to the first that is not finite: its
-    state in ``work.stage``, the quantities met there in ``outputs``, its derivative in ``work.k[0]``; when
-    all are finite, the result of the step stays in ``work.stage``.
+    """Evaluate again the stages of the step that :func:`undo` has undone, up to the first that is not finite.
+    The state of this stage is then in ``work.stage``, its quantities in ``outputs``, its derivative in
+    ``work.k[0]``.  When all stages are finite, the result of the step stays in ``work.stage``.
     """
     dy, y, result = work.k[0], work.stage, work.k[1]
     h = work.t_failed - plant.t

@@ -40,12 +40,12 @@ from edl6dof.vehicle.surroundings import noncentral_I, planet_rotation, surround
 
 @kernel
 def separate(case, plant, index, velocity):
-    """Take part ``index`` off the vehicle and push it at ``velocity`` (m/s, in B) relative to what stays;
-    momentum is conserved.
+    """Take part ``index`` off the vehicle and push it at ``velocity`` (m/s, in B) relative to the remaining
+    body; momentum is conserved.
 
     The centre of mass the state refers to jumps to that of the remaining body; both bodies keep the
     rigid-body velocity of their own centre, then share the spring's impulse, which acts through the part's
-    centre and turns what stays behind.  The part goes to ``plant.debris[index]``.
+    centre and turns the remaining body.  The part goes to ``plant.debris[index]``.
     """
     y, vehicle = plant.y, case.vehicle
     part, debris = vehicle.parts[index], plant.debris[index]
@@ -80,7 +80,9 @@ def separate(case, plant, index, velocity):
 
 @kernel
 def deploy(case, plant, index):
-    """Eject the pack of parachute ``index`` aft as the canopy body; a canopy that still flies goes first."""
+    """Eject the pack of parachute ``index`` aft as the canopy body; a canopy still attached is released
+    first.
+    """
     chute, pack = case.vehicle.parachutes[index], case.suspension[index].pack
     if case.dynamics == POINT_MASS or pack < 0 or plant.attached[pack] == 0:
         return
@@ -97,14 +99,14 @@ def deploy(case, plant, index):
 
 @kernel
 def canopy_area(case, plant):
-    """Drag area of the canopy that is out when it flies without its load, m2."""
+    """Drag area (m2) of the deployed canopy when it flies without the vehicle."""
     chute, left = case.vehicle.parachutes[plant.parachute], 1.0 - plant.canopy_lost[plant.parachute]
     return nominal_area(chute) * chute.drag_coefficient * chute.drag_factor * left
 
 
 @kernel
 def release(case, plant, index):
-    """Cut parachute ``index`` loose if it is the one that flies: its canopy goes on alone."""
+    """Release parachute ``index`` if it is the deployed one: its canopy flies on alone."""
     if plant.parachute != index or not (plant.canopy == EXTRACTING or plant.canopy == INFLATING):
         return
     chute, canopy = case.vehicle.parachutes[index], plant.debris[case.suspension[index].pack]
@@ -117,7 +119,7 @@ def release(case, plant, index):
 
 @kernel
 def jettison(case, plant, index):
-    """Push a part off; a canopy that hangs from it goes with it, or alone if its lines are not yet taut."""
+    """Push a part off; a canopy attached to it leaves with it, or alone if its lines are not yet taut."""
     if plant.attached[index] == 0:
         return
     v, part = case.vehicle.parts[index].separation_velocity, plant.debris[index]
@@ -128,7 +130,7 @@ def jettison(case, plant, index):
         release(case, plant, plant.parachute)
     elif plant.canopy == INFLATING:
         part.drag_area += canopy_area(case, plant)
-        # part and canopy go on together: their common momentum
+        # part and canopy fly on together, with their common momentum
         canopy = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
         share = canopy / (part.mass + canopy)
         v_canopy, v_part = take3(plant.y, CANOPY_VELOCITY), take3(part.v_I, 0)
@@ -161,7 +163,7 @@ def carry_out(case, plant, number):
 
 @kernel
 def fall(case, tables, areoid, part, t, r_I, v_I):
-    """Acceleration (I) of a falling part, and its altitude; ``areoid``: as :func:`surroundings` takes it."""
+    """Acceleration (I) of a falling part, and its altitude; ``areoid``: as in :func:`surroundings`."""
     rotation = planet_rotation(case.planet, t)
     place, gas, _, air_I = surroundings(case, tables, areoid, rotation, r_I)
     g_I = add(central(case.planet.gravity, r_I), noncentral_I(case.planet, rotation, r_I))
@@ -174,8 +176,8 @@ def step_part(case, tables, inputs, part, t, h):
     """Advance one part by ``h`` s over the areoid and the ground of ``inputs``; on the ground it rests and
     turns with the planet.
 
-    Beeman's position and the second-order Adams-Bashforth velocity need one evaluation a step: nothing flies
-    on what debris does, and over its whole fall the error stays below a centimetre.
+    Beeman's position and the second-order Adams-Bashforth velocity need one evaluation a step: debris does
+    not affect the flight, and the error over its whole fall stays below a centimetre.
     """
     r, v = take3(part.r_I, 0), take3(part.v_I, 0)
     spin = case.planet.rotation_rate

@@ -2,14 +2,13 @@
 as its ``model``.
 
 A member has two kernels.  ``inflation(params, chute, since_line_stretch)`` gives the share of the full drag
-area at a time (s) after line stretch, in the end 1; ``efficiency(params, chute, mach)`` gives the axial force
+area at a time (s) after line stretch, finally 1; ``efficiency(params, chute, mach)`` gives the axial force
 over its value at low Mach number.  ``params`` are the member's own, ``chute`` those of all parachutes.
 
 Disk-gap-band: deployed by a mortar, fills as a power of time and overshoots.  The opening load factor was
-fitted to measured loads: it contains what an elastic riser and an oscillating area add to the drag of the
-filling canopy.  So that they do not add it once more, the drag area overshoots by the factor over the dynamic
-load factor of the riser, and ``area_oscillates: open``; the peak tension is then drag times opening load
-factor.
+fitted to measured loads, so it includes the effects of an elastic riser and of an oscillating area.  To count
+these once, the drag area overshoots by the opening load factor over the dynamic load factor of the riser,
+with ``area_oscillates: open``; the peak tension is then drag times opening load factor.
 Reefed: a reefing line holds the skirt until a cutter frees it; cutters are pyrotechnic delays started by line
 stretch.  In each stage the drag area grows as a power of time: linearly for ribbon and ringslot canopies,
 about quadratically for solid cloth.  A canopy of diameter D that opens at speed v fills in n D/v, n about 8
@@ -37,13 +36,13 @@ MAX_MACH_POINTS = 16
 
 
 class MachTable(Hardware):
-    """A factor over Mach number, by its points; without points there is no table."""
+    """Points of a factor over Mach number; without points the table is not used."""
 
     mach: Annotated[list[float], Capacity(MAX_MACH_POINTS)] = param(
         None, "Mach numbers, ascending; none: no table", factory=list, max_length=MAX_MACH_POINTS
     )
     factor: Annotated[list[float], Capacity(MAX_MACH_POINTS)] = param(
-        None, "the factor at each of them, 0 to 2", factory=list, max_length=MAX_MACH_POINTS
+        None, "factor at each Mach number, 0 to 2", factory=list, max_length=MAX_MACH_POINTS
     )
 
     @model_validator(mode="after")
@@ -88,12 +87,12 @@ class DiskGapBandParams(Hardware):
     )
     dynamic_load_factor: float = param(
         1.0,
-        "part (a factor) of the opening load factor that the elastic riser makes by itself: the drag area "
-        "overshoots by the rest; 1 where the whole is the canopy's",
+        "factor of the opening load factor that is due to the elastic riser: the drag area overshoots by "
+        "their quotient; 1: none is due to the riser",
         ge=1.0,
         le=2.0,
     )
-    overshoot_decay_s: float = param(0.25, "time in which the overshoot is gone", status="estimate", gt=0.0)
+    overshoot_decay_s: float = param(0.25, "time in which the overshoot decays", status="estimate", gt=0.0)
 
     @model_validator(mode="after")
     def _overshoots(self) -> Self:
@@ -144,7 +143,7 @@ MAX_STAGES = 4
 
 
 class ReefingStage(Hardware):
-    """One filling of a reefed canopy."""
+    """One stage of the filling of a reefed canopy."""
 
     drag_area_ratio: float = param(
         REQUIRED,
@@ -175,10 +174,10 @@ def _stages() -> list[ReefingStage]:
 
 
 class ReefedParams(Hardware):
-    """Reefed subsonic parachute: fillings one after the other, each when a reefing line is cut."""
+    """Reefed subsonic parachute: it fills in stages, each begun by the cut of a reefing line."""
 
     stages: Annotated[list[ReefingStage], Capacity(MAX_STAGES)] = param(
-        None, "the fillings, the first from line stretch, the last to the whole drag area",
+        None, "the stages: the first begins at line stretch, the last ends at the full drag area",
         status="estimate", factory=_stages, min_length=1, max_length=MAX_STAGES,
     )  # fmt: skip
     filling_exponent: float = param(
@@ -222,7 +221,7 @@ def reefed_inflation(params, chute, since_line_stretch):
 
 @kernel
 def reefed_efficiency(params, chute, mach):
-    """Drag over its value at low Mach number: 1, the canopy is subsonic."""
+    """Drag over its value at low Mach number: constant 1, as the canopy is subsonic."""
     return 1.0
 
 

@@ -1,5 +1,5 @@
 """Parachute: canopy as its own body on an elastic riser, and the bridle of three legs between the vehicle and
-the confluence, at which the riser begins; how it fills and drags is its model's.
+the confluence, at which the riser begins; a model gives filling and drag.
 
 The canopy is a point mass with apparent mass whose axis lies along the riser.  Axial and normal force act on
 it in its own air-relative velocity.  Inflation, opening load and drag over Mach number are those of a model
@@ -8,15 +8,15 @@ it in its own air-relative velocity.  Inflation, opening load and drag over Mach
 around, which turn the canopy back with half the square of its radius times their stiffness: 0.5 (5.6 m)^2 40
 kN/m = 630 kN m/rad for the canopy of Tianwen-1.  A pitching moment coefficient of 0.02 on 200 m2 and 16 m
 turns it by 0.01 rad at 100 Pa, and it swings at 28 rad/s against 1 to 3 rad/s of the vehicle: its axis is
-that of the riser to 0.6 deg, which is less than what is known of the trim angle (5 to 10 deg).
+that of the riser to 0.6 deg, less than the uncertainty of the trim angle (5 to 10 deg).
 
-The legs do not stretch (their share is in the stiffness of lines and riser); they go slack.  The
-confluence is the point nearest to the canopy of all that the legs can reach: of the intersection of three
-balls about the attachments.  While every leg pulls it stays where they meet, as if fixed to the vehicle.  A
-pull from outside the cone of the legs slackens one or two of them; the confluence then swings about the
-others, and arm and attitude stiffness are smaller than those of a fixed point.  As the nearest point it moves
-across the riser only, so that rate of stretch and work of the riser are those of a point fixed to the
-vehicle.  Left out: mass and stretch of the legs, and that they can wrap around the vehicle.
+The legs do not stretch (the stiffness of lines and riser includes theirs), but go slack.  The confluence is
+the point nearest to the canopy that all legs can reach, in the intersection of three balls about the
+attachments.  While every leg pulls it stays where they meet, as if fixed to the vehicle.  A pull from outside
+the cone of the legs slackens one or two of them; the confluence then swings about the others, and arm and
+attitude stiffness are smaller than those of a fixed point.  As the nearest point it moves across the riser
+only, so that rate of stretch and work of the riser are those of a point fixed to the vehicle.  Left out: mass
+and stretch of the legs, and that they can wrap around the vehicle.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from edl6dof.vehicle.parachutes.canopy_models import (
 )
 
 LEGS = 3
-#: A leg is taken to reach what is nearer than its length and this share of it.
+#: Relative tolerance on the length of a leg when its reach is tested.
 _ROUNDING = 1e-12
 #: Index of the choice of ``area_oscillates`` in records.
 ALWAYS = 0
@@ -53,7 +53,7 @@ PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
 class ParachuteParams(ParachuteChoice, Hardware):
     """Geometry, inflation, aerodynamics and suspension of a parachute, of which one flies at a time."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     diameter_m: float = param(
         REQUIRED,
         "nominal diameter; the reference area is pi/4 of its square",
@@ -67,7 +67,7 @@ class ParachuteParams(ParachuteChoice, Hardware):
         usual=(0.2, 1.2, "ribbon to ringsail"),
     )
     mach_efficiency: MachTable = group(
-        MachTable, "drag over its value at low Mach number, by Mach; without points as the model has it"
+        MachTable, "drag over its value at low Mach number, by Mach; without points that of the model"
     )
     wake_factor: MachTable = group(
         MachTable,
@@ -89,21 +89,21 @@ class ParachuteParams(ParachuteChoice, Hardware):
     )
     line_length_m: float = param(
         REQUIRED,
-        "from the bridle confluence to the canopy with lines taut, unloaded",
+        "distance from the bridle confluence to the canopy with lines taut, unloaded",
         gt=0.0,
         usual=(0.5, 100, "one to two diameters"),
     )
     confluence_m: Vec3 = param(REQUIRED, "bridle confluence point in B, with every leg of the bridle taut")
     bridle_attachments_m: Annotated[list[Vec3], Capacity(LEGS)] = param(
         None,
-        "points in B where the three legs of the bridle begin, each as long as it is to the confluence; "
+        "points in B where the three legs of the bridle begin, of a length that reaches the confluence; "
         "none: the confluence is fixed to the vehicle",
         factory=list,
         max_length=LEGS,
     )
-    stiffness_n_m: float = param(40000.0, "of lines and riser together", status="estimate", gt=0.0)
+    stiffness_n_m: float = param(40000.0, "stiffness of lines and riser together", status="estimate", gt=0.0)
     damping_ratio: float = param(
-        0.1, "of the riser with the canopy's own mass", status="estimate", ge=0.0, le=1.0
+        0.1, "damping ratio of the riser with the mass of the canopy", status="estimate", ge=0.0, le=1.0
     )
     apparent_mass_factor: float = param(
         0.75,
@@ -127,11 +127,13 @@ class ParachuteParams(ParachuteChoice, Hardware):
         source="Sengupta et al. 2009",
         ge=0.0,
     )
-    area_oscillation_frequency_hz: float = param(3.0, "its frequency", status="estimate", gt=0.0)
+    area_oscillation_frequency_hz: float = param(
+        3.0, "frequency of the area oscillation", status="estimate", gt=0.0
+    )
     area_oscillates: Literal["always", "open"] = param(
         "always",
-        "also while the canopy fills, or once it is open: an opening load factor fitted to measured loads "
-        "contains what the area did until then",
+        "always: also while the canopy fills; open: once it is open, for an opening load factor fitted to "
+        "measured loads, which contains the oscillation until then",
     )
     normal_slope: float = param(
         0.35, "normal-force coefficient slope far above the trim angle, per rad", status="estimate", ge=0.0
@@ -141,11 +143,9 @@ class ParachuteParams(ParachuteChoice, Hardware):
     )
     drag_factor: float = param(1.0, "drag over its table value", gt=0.0)
     pack: str | None = param(
-        None, "part that is the packed parachute; none: its deployment is only noted", record=False
+        None, "part that is the packed parachute; none: its deployment is only recorded", record=False
     )
-    carried_by: str | None = param(
-        None, "part that it hangs from: it goes where that part goes", record=False
-    )
+    carried_by: str | None = param(None, "part that it hangs from, and with which it leaves", record=False)
 
     @field_validator("bridle_attachments_m")
     @classmethod
@@ -182,7 +182,9 @@ SUSPENSION = record(("pack", "i8"), ("carrier", "i8"))
 
 @kernel
 def inflation(chute, since_line_stretch):
-    """Share of the full drag area at a time (s) after line stretch: none before, then as its model has it."""
+    """Share of the full drag area at a time (s) after line stretch: 0 before, then by the model of the
+    canopy.
+    """
     if not since_line_stretch > 0.0:  # not a number where the lines were never taut
         return 0.0
     return inflation_of_model(chute.model, chute, chute, since_line_stretch)
@@ -282,7 +284,7 @@ def confluence(chute, canopy_B):
 
 @kernel
 def _all_taut(attachments, meeting, canopy):
-    """True if the pull of the canopy on the point where the legs meet is a sum of pulls of all three."""
+    """True if all three legs are in tension when the canopy pulls on the point where they meet."""
     a = sub(meeting, take3(attachments[0], 0))
     b = sub(meeting, take3(attachments[1], 0))
     c = sub(meeting, take3(attachments[2], 0))

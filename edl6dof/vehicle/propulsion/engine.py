@@ -1,5 +1,5 @@
-"""Landing engines: place, direction and levels; how the thrust follows its command is the engine's model's
-(:mod:`edl6dof.vehicle.propulsion.engine_models`).
+"""Landing engines: place, direction and levels of thrust; a model gives the response of the thrust to its
+command (:mod:`edl6dof.vehicle.propulsion.engine_models`).
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from edl6dof.vehicle.propulsion.engine_models import (
 class EngineParams(EngineChoice, Hardware):
     """A landing engine."""
 
-    name: Key = param(REQUIRED, "name that events call it by", record=False)
+    name: Key = param(REQUIRED, "name in events", record=False)
     group: Key | None = param(
-        None, "name that events call all engines of the group by, lit and cut off together", record=False
+        None, "name of a group of engines that events light and cut off together", record=False
     )
     full_thrust_n: float = param(
         REQUIRED, "thrust at the full level used at the start", gt=0.0, usual=(10, 200000, "landing engines")
@@ -97,8 +97,8 @@ def thrust_wrench(engine, thrust, turn_y, turn_z):
 
 @kernel
 def propellant_flow(engine, thrust):
-    """Propellant mass flow (kg/s) at ``thrust`` N; negative where the line of a pulse late in its step is, so
-    that the flow over the step is that of the pulse.
+    """Propellant mass flow (kg/s) at ``thrust`` N; it may be negative on the line that stands for a pulse
+    late in a step, so that the flow over the step is exact.
     """
     if thrust == 0.0:
         return 0.0

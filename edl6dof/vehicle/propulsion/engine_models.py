@@ -1,19 +1,18 @@
 """Models of how the thrust of an engine follows its command; each of ``vehicle.engines`` may name one as its
 ``model``.
 
-A member has three kernels.  ``goal(params, engine, t, step, command)`` gives what a ``command`` (N) makes the
-thrust strive for over the ``step`` (s) that begins at time ``t`` (s), as a line: its mean (N) and slope (N/s;
-:func:`line_in_step`).  ``rate(params, engine, goal, thrust, starting)`` gives the
-time derivative (N/s) of the thrust; ``starting`` is true while the engine starts or is cut off.
-``specific_impulse(params, engine, thrust)`` gives it in s.  ``params`` are the member's own, ``engine`` those
-of all engines.
+A member has three kernels.  ``goal(params, engine, t, step, command)`` gives the goal of the thrust under a
+``command`` (N) over the ``step`` (s) that begins at time ``t`` (s), as a line: mean (N) and slope (N/s;
+:func:`line_in_step`).  ``rate(params, engine, goal, thrust, starting)`` gives the time derivative (N/s) of
+the thrust; ``starting`` is true while the engine starts or is cut off.  ``specific_impulse(params, engine,
+thrust)`` gives the specific impulse (s).  ``params`` are the member's own, ``engine`` those of all engines.
 
 Throttled: first-order valve with a rate limit.  Pulsed: the valve opens at the start of each period for the
-commanded share of full thrust; a pulse shorter than the valve can make is left out, a pause shorter than that
-is not made; the thrust follows the valve with one lag, so that the impulse of a pulse is full thrust times
-the time the valve is open.  Thruster set: gives no thrust of its own; its command is allocated to the axial
-thrusters together with the torque of attitude control, as pulses that are longer on one side to turn the
-vehicle.  Solid: once lit it burns at full thrust until it is empty, whatever is commanded.
+commanded share of full thrust; a pulse or a pause shorter than the valve can make is left out; the thrust
+follows the valve with one lag, so that the impulse of a pulse is full thrust times the time the valve is
+open.  Thruster set: gives no thrust of its own; its command is allocated to the axial thrusters together with
+the torque of attitude control, as pulses that are longer on one side to turn the vehicle.  Solid: once lit it
+burns at full thrust until it is empty, whatever is commanded.
 Source: throttled and solid: engineering models of this simulator, their numbers estimates.  Pulsed:
 pulse-width modulation of Wie, "Space Vehicle Dynamics and Control", 2008.  Descent engines driven by pulses,
 of thruster sets too: Grover et al., "Overview of the Phoenix Entry, Descent, and Landing System
@@ -61,7 +60,7 @@ class ThrottledParams(Hardware):
 
 @kernel
 def commanded_goal(params, engine, t, step, command):
-    """The commanded level, all the step; that of a solid motor is full thrust while it is lit."""
+    """Constant goal at the commanded level; a solid motor that is lit has full thrust as its command."""
     return command, 0.0
 
 
@@ -157,7 +156,7 @@ def thruster_set_goal(params, engine, t, step, command):
 
 @kernel
 def thruster_set_rate(params, engine, goal, thrust, starting):
-    """It stays none."""
+    """Keep the thrust at zero."""
     return 0.0
 
 

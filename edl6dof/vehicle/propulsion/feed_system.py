@@ -1,4 +1,4 @@
-"""Feed system: tanks, and what engines and thrusters draw from them.
+"""Feed system: tanks, and the propellant that engines and thrusters draw from them.
 
 An engine or thruster draws on the tanks that it names, on all where it names none.  Tanks drawn on together
 give in proportion to their loads, as on one manifold at one pressure: they run empty together.  An empty tank
@@ -18,19 +18,19 @@ from edl6dof.records import record
 from edl6dof.vehicle.mass import Tank, body_of, join
 from edl6dof.vehicle.plant import PROPELLANT
 
-#: Load (kg) of each tank that feeds an engine or thruster, in rows; 0 for one that does not.
+#: Loads (kg) of the tanks that feed each engine or thruster, a row each; 0 for a tank that does not.
 FEEDS = record(("engines", "f8", (MAX_ENGINES, MAX_TANKS)), ("thrusters", "f8", (MAX_THRUSTERS, MAX_TANKS)))
 
 
 def fill_feeds(rows: np.ndarray, drawing: Iterable[Sequence[str]], tanks: Sequence[Tank]) -> None:
-    """Fill the ``rows`` of ``FEEDS`` of those whose names of tanks are ``drawing``."""
+    """Fill the ``rows`` of ``FEEDS``; ``drawing``: tanks of each engine or thruster, none: all."""
     for row, names in zip(rows, drawing, strict=False):
         row[: len(tanks)] = [tank.mass_kg if tank.name in names or not names else 0.0 for tank in tanks]
 
 
 @kernel
 def load_within_reach(loads, row, filled):
-    """Load (kg) of the tanks that feed ``row`` and are not empty; 0: it starves."""
+    """Load (kg) of the tanks that feed ``row`` and are not empty; 0: no propellant."""
     total = 0.0
     for k in range(MAX_TANKS):
         if filled[k] != 0:
@@ -51,7 +51,9 @@ def draw(feed, flow, taken, first):
 
 @inlined_kernel
 def with_propellant(dry, tanks, count, y):
-    """Mass properties of ``dry`` with what the state ``y`` has left in each of its ``count`` ``tanks``."""
+    """Mass properties of the ``dry`` vehicle with the propellant of the state ``y`` in its ``count``
+    ``tanks``.
+    """
     body = body_of(dry)
     for k in range(count):
         left = y[PROPELLANT + k]

@@ -34,7 +34,7 @@ class Thruster(Hardware):
     group: ThrusterGroup = param(
         REQUIRED,
         (
-            "what it is for: horizontal hazard avoidance and roll; axial beside the engine; pitch and yaw; "
+            "purpose: horizontal hazard avoidance and roll; axial parallel to the engine; pitch and yaw; "
             "fine pointing"
         ),
     )
@@ -43,7 +43,9 @@ class Thruster(Hardware):
     thrust_n: float = param(
         REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0, usual=(0.1, 5000, "attitude control thrusters")
     )
-    thrust_factor: float = param(1.0, "thrust delivered over thrust_n, which is believed", ge=0.0, le=1.5)
+    thrust_factor: float = param(
+        1.0, "true thrust over thrust_n, which the flight software assumes", ge=0.0, le=1.5
+    )
     specific_impulse_s: float = param(
         REQUIRED,
         "specific impulse, steady",
@@ -81,7 +83,7 @@ class RcsParams(Hardware):
     )
     branches: Annotated[list[Branch], Capacity(MAX_BRANCHES)] = param(
         None,
-        "propellant branches, each behind one latch valve; empty: every thruster on one of its own",
+        "propellant branches, each behind one latch valve; empty: one branch for each thruster",
         record=False,
         factory=list,
     )
@@ -101,7 +103,7 @@ class RcsParams(Hardware):
 
     @property
     def laid_branches(self) -> list[Branch]:
-        """The branches: those given, or one for every thruster, named as it."""
+        """Branches as given; without any, one for each thruster with its name."""
         return self.branches or [Branch(name=jet.name, thrusters=[jet.name]) for jet in self.thrusters]
 
 
@@ -152,7 +154,7 @@ def climb(level, duration, slope):
 
 @kernel
 def linear_level(level, rise, decay, start, step, open_time, close_time):
-    """Line (mean, slope in 1/s) of the level over a step of a valve open in an interval, and its end."""
+    """Level of a valve open in an interval, over a step: line (mean, slope in 1/s), and value at the end."""
     end = start + step
     a = clamp(open_time, start, end)
     b = clamp(close_time, a, end)
@@ -172,15 +174,16 @@ def efficiency(rcs, dynamic_pressure):
 
 @kernel
 def fire(rcs, loads, branch, valves, t, step, inputs, used):
-    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step: unless a
-    fault parts them, the flow goes with the thrust, or a speed would not follow from the propellant used.
-    What the air takes of the force (:func:`efficiency`) changes within the step.
+    """Force and moment of all thrusters in vacuum and their propellant flow, linear over a step.  Flow is
+    proportional to thrust, except with some faults, so that the velocity gained agrees with the propellant
+    used.  The loss of force to the air flow (:func:`efficiency`) changes within the step.
 
     Updates ``valves.level`` and ``valves.mean`` (the mean thrust fraction of each thruster, logged and drawn
     as plumes); writes ``rcs_force``, ``rcs_moment`` (mean, N and N m about the origin of B),
     ``rcs_force_slope``, ``rcs_moment_slope`` (N/s, N m/s), ``rcs_flow`` (mean, kg/s out of each tank) and
-    ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` says which tanks are not empty.  ``loads`` are
-    the thrusters' ``FEEDS``, ``branch`` says on which each lies, and ``used`` (kg) counts on for each branch.
+    ``rcs_flow_slope`` (kg/s2) of ``inputs``, whose ``filled`` marks the tanks that are not empty.  ``loads``
+    are the thrusters' ``FEEDS``, ``branch`` is the branch of each thruster, and the flow is added to ``used``
+    (kg) of each branch.
     """
     for k in range(MAX_TANKS):
         inputs.rcs_flow[k] = inputs.rcs_flow_slope[k] = 0.0

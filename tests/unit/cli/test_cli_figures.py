@@ -24,7 +24,7 @@ def test_neighbours_differ_in_entry_speed_by_their_number_and_the_first_is_the_s
     speeds = [case.truth["initial.speed_m_s"] for case in neighbours(loaded, 4)]
     assert np.diff(speeds) == pytest.approx(SPEED_STEP_M_S, rel=1e-2)
     (row,) = fly_neighbours(loaded, 1)
-    own = edl6dof.fly("msl").metrics
+    own = edl6dof.fly("msl").figures
     assert {name: row[name] for name in own} == own
 
 

@@ -9,10 +9,10 @@ from cli_run import ROOT, run, spawn
 from pydantic_core import to_jsonable_python
 
 import edl6dof
-from edl6dof.cli.inspection import select
 from edl6dof.config.document.yamltree import parse_yaml
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.parameter_table import Value, rows, values
+from edl6dof.report.parameters import select
 from edl6dof.scenario.schema import Scenario
 
 

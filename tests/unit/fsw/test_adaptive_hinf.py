@@ -282,9 +282,9 @@ def test_law_flies_a_point_mass_to_the_parachute_target(density_factor):
             ],
         )
     )
-    assert abs(flight.metrics["parachute_downrange_m"]) < 4000.0
+    assert abs(flight.figures["parachute_downrange_m"]) < 4000.0
     assert (
-        abs(flight.metrics["parachute_crossrange_m"]) < 2500.0
+        abs(flight.figures["parachute_crossrange_m"]) < 2500.0
     )  # a side wind of 40 m/s drives it 1.7 km off
     memory = flight.fsw["guidance"]["entry"]["law"]["adaptive_hinf"][0]
     assert np.all((memory["theta"] >= memory["low"]) & (memory["theta"] <= memory["high"]))

@@ -181,15 +181,15 @@ def fly(*sets):
 def test_point_mass_ends_at_the_aim_point_in_any_air(density):
     flight = fly(f"truth={{atmosphere.density_factor: {density}}}")
     assert flight.success
-    assert flight.metrics["parachute_miss_m"] < 100.0
+    assert flight.figures["parachute_miss_m"] < 100.0
 
 
 def test_load_keeps_its_limit_at_the_price_of_altitude():
     free = fly()
     held = fly(f"{ENTRY}.limits.load_g0=12", f"{ENTRY}.limits.margin=0")
-    assert free.metrics["peak_load_g0"] > 12.2
-    assert held.metrics["peak_load_g0"] < 12.0
-    assert held.metrics["parachute_miss_m"] < 1000.0
+    assert free.figures["peak_load_g0"] > 12.2
+    assert held.figures["peak_load_g0"] < 12.0
+    assert held.figures["parachute_miss_m"] < 1000.0
 
 
 @pytest.mark.parametrize("rate, most_km", [pytest.param(20.0, 0.5, marks=pytest.mark.long), (10.0, 1.0)])
@@ -197,6 +197,6 @@ def test_slow_roll_is_foreseen(rate, most_km):
     """One reversal, begun early enough and made up for by the bank before and after it."""
     flight = fly(f"{ENTRY}.bank_rate_deg_s={rate}", f"{ENTRY}.fnpeg.reversals=1")
     assert flight.success
-    assert flight.metrics["parachute_miss_m"] < 1e3 * most_km
+    assert flight.figures["parachute_miss_m"] < 1e3 * most_km
     bank = flight.telemetry["guide.bank_deg"]
     assert degrees(np.abs(np.diff(np.radians(bank[np.abs(bank) < 60.0]))).max()) < 1.0

@@ -121,5 +121,5 @@ def test_predictive_reversals_end_near_the_target_with_few_reversals():
     sets = ["mission.goal=deployment", f"{ENTRY}.law=npc", f"{ENTRY}.reversal.logic=predictive"]
     flight = edl6dof.fly("tianwen1", sets)
     assert flight.success
-    assert 2 <= flight.metrics["bank_reversals"] <= 6
-    assert abs(flight.metrics["parachute_crossrange_m"]) < 2500.0
+    assert 2 <= flight.figures["bank_reversals"] <= 6
+    assert abs(flight.figures["parachute_crossrange_m"]) < 2500.0

@@ -175,6 +175,6 @@ def test_laws_fly_a_point_mass_to_the_parachute_target(law, density_factor):
             ],
         )
     )
-    assert flight.metrics["parachute_miss_m"] < 4000.0
+    assert flight.figures["parachute_miss_m"] < 4000.0
     banks = flight.telemetry["guide.bank_deg"]
     assert np.max(np.abs(banks)) <= degrees(pi) and sqrt(np.mean(banks**2)) > 10.0

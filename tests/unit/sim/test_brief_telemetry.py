@@ -27,7 +27,7 @@ def test_every_channel_is_that_of_the_whole_telemetry(nominal, brief):
 def test_flight_and_figures_are_the_same(nominal, brief):
     assert brief.plant.tobytes() == nominal.plant.tobytes()
     assert brief.fsw.tobytes() == nominal.fsw.tobytes()
-    assert brief.metrics == nominal.metrics
+    assert brief.figures == nominal.figures
     assert brief.events == nominal.events
     assert (brief.success, brief.outcome, brief.cause) == (nominal.success, nominal.outcome, nominal.cause)
 
@@ -87,7 +87,7 @@ def test_extremes_of_nothing_are_no_numbers():
 
 def test_peaks_are_the_largest_of_the_telemetry(nominal):
     """Every cycle is logged in the nominal flight, so what the vehicle met is what was logged."""
-    flight, figures = nominal.telemetry, nominal.metrics
+    flight, figures = nominal.telemetry, nominal.figures
     load, hangs = flight["truth.load_g0"], np.isfinite(flight["truth.canopy_up_m"])
     assert figures["peak_load_g0"] == np.max(load[: hangs.argmax()])
     assert figures["max_load_parachute_g0"] == np.max(load[hangs])

@@ -53,14 +53,14 @@ def test_no_figure_is_declared_twice():
 
 def test_every_figure_that_flights_produce_is_declared_and_the_other_way_round(nominal, faulty, rough):
     produced = (
-        rough.metrics.keys()
-        | nominal.metrics.keys()
-        | faulty.metrics.keys()
-        | edl6dof.fly("tianwen1", GYRO).metrics.keys()
+        rough.figures.keys()
+        | nominal.figures.keys()
+        | faulty.figures.keys()
+        | edl6dof.fly("tianwen1", GYRO).figures.keys()
     )
-    produced |= edl6dof.fly("tianwen1", RELAXED).metrics.keys()
+    produced |= edl6dof.fly("tianwen1", RELAXED).figures.keys()
     for name in ("msl", "wu2013", "yan2016", "zheng2015", "nesc/case06"):
-        produced |= edl6dof.fly(name).metrics.keys()
+        produced |= edl6dof.fly(name).figures.keys()
     assert produced == DECLARED
 
 
@@ -111,7 +111,7 @@ def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(rough):
     ending = {"skip_out_m", "crash_speed_m_s", "body_rate_deg_s", "total_alpha_deg", "powered_tilt_deg"}
     assert {figure.limit for figure in LIMITS} == LimitParams.model_fields.keys() - ending
     assert [figure.name for figure in LIMITS if split_unit(figure.limit)[1] != figure.unit] == []
-    assert [check.label for check in checks(rough.scenario.limits, rough.metrics)] == [
+    assert [check.label for check in checks(rough.scenario.limits, rough.figures)] == [
         figure.meaning for figure in LIMITS
     ]
 

@@ -25,7 +25,7 @@ def test_telemetry_has_every_channel_and_thruster(nominal):
 
 def test_branches_use_what_the_tank_loses_until_the_engine_burns_and_meters_count_it(nominal):
     table = nominal.telemetry
-    until = int(np.searchsorted(table["t_s"], nominal.metrics["backshell_s"])) - 1
+    until = int(np.searchsorted(table["t_s"], nominal.figures["backshell_s"])) - 1
     lost = table["truth.propellant_kg"][0] - table["truth.propellant_kg"][until]
     used = {name: table[f"used.{name}_kg"][until] for name in nominal.scenario.branches}
     assert sum(used.values()) == pytest.approx(lost, abs=1e-9) and lost > 5.0

@@ -38,7 +38,7 @@ def test_parquet_holds_every_value_and_its_unit(nominal, run):
 def test_summary_figures_are_the_flights_own(nominal, run):
     summary = json.loads((run / "summary.json").read_text())
     assert summary["outcome"] == nominal.outcome
-    assert summary["figures"]["touchdown_s"] == nominal.metrics["touchdown_s"]
+    assert summary["figures"]["touchdown_s"] == nominal.figures["touchdown_s"]
     assert json.loads((run / "events.json").read_text())[-1]["name"] == nominal.outcome
 
 

@@ -65,7 +65,7 @@ def test_a_burn_gives_what_its_propellant_gives_by_tsiolkovsky():
     assert kept["lost"] > 40.0
     gained = ENGINE_ISP * G0 * np.log(kept["mass"] / (kept["mass"] - kept["lost"]))
     assert np.linalg.norm(kept["velocity"]) == pytest.approx(gained, rel=1e-5)
-    assert max(flight.metrics["energy_balance"], flight.metrics["mass_balance"]) < 1e-6
+    assert max(flight.figures["energy_balance"], flight.figures["mass_balance"]) < 1e-6
 
 
 def test_a_separation_books_recoil_its_work_and_the_part():
@@ -98,7 +98,7 @@ def test_a_field_that_turns_does_work_and_it_is_counted():
     kept = balance(flight)
     energy = 0.5 * np.dot(kept["v_I"], kept["v_I"])
     assert abs(kept["work"]) > 1e-5 * energy
-    assert flight.metrics["energy_balance"] < 1e-9
+    assert flight.figures["energy_balance"] < 1e-9
 
 
 def test_a_parachute_whose_lines_are_not_yet_taut_goes_on_when_its_carrier_leaves():
@@ -110,4 +110,4 @@ def test_a_parachute_whose_lines_are_not_yet_taut_goes_on_when_its_carrier_leave
     assert np.isfinite(flight.plant["done"][0, 1])
     assert np.isnan(flight.plant["line_stretch_time"][0, 0])
     assert balance(flight)["separations"] < 1e-12
-    assert flight.metrics["mass_balance"] < 1e-12
+    assert flight.figures["mass_balance"] < 1e-12

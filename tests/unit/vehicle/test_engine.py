@@ -65,13 +65,17 @@ def test_cut_off_falls_as_fast_as_ignition_rises():
     assert thrust_rate(record, 2000.0, 2000.0, False) == 0.0
 
 
+@pytest.mark.parametrize("direction", [(-1.0, 0.0, 0.0), (-0.8, 0.36, -0.48)])
 @pytest.mark.parametrize("ty, tz", [(0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (2.5, -4.0)])
-def test_thrust_is_minus_x_turned_about_y_and_then_about_z(ty, tz):
+def test_thrust_is_turned_about_y_and_then_about_z(ty, tz, direction):
     nozzle = (-0.2, 0.03, -0.01)
-    record = engine(misalignment_y_deg=0.4 * ty, misalignment_z_deg=tz, nozzle_m=nozzle, thrust_factor=0.97)
+    turned = {"misalignment_y_deg": 0.4 * ty, "misalignment_z_deg": tz, "direction": direction}
+    record = engine(nozzle_m=nozzle, thrust_factor=0.97, **turned)
     force, moment = thrust_wrench(record, 5000.0, radians(0.6 * ty), 0.0)
     # extrinsic: fixed axes of B
-    expected = Rotation.from_euler("yz", (radians(ty), radians(tz))).apply((-0.97 * 5000.0, 0.0, 0.0))
+    expected = Rotation.from_euler("yz", (radians(ty), radians(tz))).apply(
+        0.97 * 5000.0 * np.array(direction)
+    )
     assert force == pytest.approx(expected, abs=1e-9)
     assert moment == pytest.approx(np.cross(nozzle, expected), abs=1e-9)
 

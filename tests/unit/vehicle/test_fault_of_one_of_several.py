@@ -50,14 +50,14 @@ def test_only_the_engine_that_is_named_loses_thrust(tables, kind, lost):
 
 
 def test_the_balance_counts_the_thrust_that_is_left(tables):
-    """Sum of the engines' forces: all of the first, 0.7 of the second; both point along x."""
+    """Sum of the engines' forces: all of the first, 0.7 of the second; both push along -x."""
     fault = "{kind: engine_shortfall, engine: right, engine_shortfall: {thrust_factor: 0.7}, at: {time_s: 0}}"
     case, plant, command = broken(tables, fault, others=TWO_ENGINES)
     actuate(case, command, plant)
     thrusts = np.zeros(MAX_ENGINES)
     thrusts[:2] = 2000.0, 3000.0
     force, _ = engines(case, plant, thrusts, 0)
-    assert force == pytest.approx((2000.0 + 0.7 * 3000.0, 0.0, 0.0), abs=1e-9)
+    assert force == pytest.approx((-2000.0 - 0.7 * 3000.0, 0.0, 0.0), abs=1e-9)
 
 
 def test_only_the_throttle_that_is_named_is_stuck(tables):

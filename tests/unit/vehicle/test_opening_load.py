@@ -100,7 +100,7 @@ def peak_over_drag(*changes):
     record = np.zeros(1, PARACHUTE_PARAMS).view(np.recarray)[0]
     fill(record, chute)
     area = kernels.nominal_area(record) * chute.drag_coefficient * kernels.drag_efficiency(record, mach)
-    return flight.metrics["max_riser_tension_n"] / (pressure * area)
+    return flight.figures["max_riser_tension_n"] / (pressure * area)
 
 
 def test_the_peak_tension_is_drag_times_the_opening_load_factor_once_nothing_is_counted_twice():
