@@ -93,7 +93,9 @@ def under_check_out(params, phase, memory):
 
 @kernel
 def put_off(memory):
-    """Abandon the present trial, because something else turns the vehicle; the thruster is tried again later."""
+    """Abandon the present trial, because something else turns the vehicle; the thruster is tried
+    again later.
+    """
     memory.under_way = 0
 
 

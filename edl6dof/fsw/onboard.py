@@ -100,7 +100,9 @@ class EntryGuidanceParams(_EntryLaws):
 
     @property
     def heading_below_m_s(self) -> float:
-        """Speed below which heading alignment replaces range control: that of the chosen law, if it has one."""
+        """Speed below which heading alignment replaces range control: that of the chosen law, if it has
+        one.
+        """
         own = getattr(getattr(self, self.law, None), "heading_speed_m_s", None)
         return self.heading.speed_m_s if own is None else float(own)
 

@@ -110,7 +110,9 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
 
 @kernel
 def shortest_path_error(q, goal):
-    """Return the rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al. 2022, eq. 4."""
+    """Return the rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al.
+    2022, eq. 4.
+    """
     return rotation_vector(multiply(conjugate(q), goal))
 
 

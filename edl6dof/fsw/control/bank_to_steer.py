@@ -64,7 +64,9 @@ def damped(p, damping, rate, error):
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Return the torque for bank tracking and damping, and the errors of bank, angle of attack and sideslip."""
+    """Return the torque for bank tracking and damping, and the errors of bank, angle of attack and
+    sideslip.
+    """
     p, inertia, wing_out = params, take3(inputs.inertia, 0), inputs.wing_commanded != 0
     frozen = inputs.saturated != 0
     along, across, aside = velocity_axes(nav.alpha, nav.beta)

@@ -151,7 +151,9 @@ WRITES = ("healthy",)
 
 @kernel
 def restart(memory):
-    """Reset the evidence and the slow disturbance, as after a change of the vehicle or of the forces on it."""
+    """Reset the evidence and the slow disturbance, as after a change of the vehicle or of the forces
+    on it.
+    """
     restart_residual(memory.residual)
     for b in range(MAX_BRANCHES):
         restart_residual(memory.missing[b])

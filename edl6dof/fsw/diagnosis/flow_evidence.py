@@ -357,7 +357,9 @@ def needs_trial(i, memory):
 
 @kernel
 def confirmed_loss(params, common, loss):
-    """Return the loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too small."""
+    """Return the loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too
+    small.
+    """
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0
     beyond = min(loss.cross / loss.own, 1.0) - common

@@ -220,7 +220,9 @@ def loss_evidence(params, sums, least, afresh):
 
 @kernel
 def stuck_on_evidence(sums, least):
-    """Return the evidence that a valve stays open, 0 if below ``least``; contrary evidence resets the sums."""
+    """Return the evidence that a valve stays open, 0 if below ``least``; contrary evidence resets the
+    sums.
+    """
     if sums.own > 2.0 * sums.cross:  # the prediction enlarges the residual: the logarithm would be negative
         forget(sums)
     return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0

@@ -87,7 +87,9 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
 
 @kernel
 def _force(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Velocity gained at the unit (m/s, B); that of the last cycle while too few accelerometers are usable."""
+    """Velocity gained at the unit (m/s, B); that of the last cycle while too few accelerometers are
+    usable.
+    """
     axis, number = instruments.accelerometer_axis, instruments.n_accelerometers
     redundant = memory.accelerometers
     in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)

@@ -87,7 +87,9 @@ DRAG_VELOCITY = record(
 
 @kernel
 def profile_drag(profile, speed):
-    """Drag of the profile (m/s2) and its two derivatives by speed; constant beyond its first and last speed."""
+    """Drag of the profile (m/s2) and its two derivatives by speed; constant beyond its first and last
+    speed.
+    """
     v = clamp(speed, profile.final, profile.start)
     segment = 0 if v > profile.join else (1 if v > profile.level else 2)
     c0, c1, c2 = (

@@ -153,7 +153,9 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) and fraction of the way to the next; limited to the ends."""
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) and fraction of the way to the next; limited to
+    the ends.
+    """
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 

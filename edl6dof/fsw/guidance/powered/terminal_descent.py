@@ -97,7 +97,9 @@ TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8
 
 @kernel
 def command_thrust(mass, acceleration, tilt_limit, out):
-    """Convert an acceleration (north, east, up, m/s2, gravity included) into thrust direction and size (N)."""
+    """Convert an acceleration (north, east, up, m/s2, gravity included) into thrust direction and
+    size (N).
+    """
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
@@ -158,7 +160,9 @@ def hover(p, engine, nav, mass, bias, out):
 
 @kernel
 def settle_by_tilt(p, engine, nav, mass, rate, bias, out):
-    """Descend at ``rate`` m/s; stop lateral velocity and compensate the lateral ``bias`` (N) by a small tilt."""
+    """Descend at ``rate`` m/s; stop lateral velocity and compensate the lateral ``bias`` (N) by a
+    small tilt.
+    """
     out.translating = 0
     north = -p.settle_gain * nav.v_N[0] - bias[0] / mass
     east = -p.settle_gain * nav.v_N[1] - bias[1] / mass

@@ -187,7 +187,9 @@ class EtpcParams(Params):
 
 @kernel
 def at_speed(table, speed):
-    """Index of the node below ``speed`` (m/s) in an ``INFLUENCE`` table, and fraction of the way to the next."""
+    """Index of the node below ``speed`` (m/s) in an ``INFLUENCE`` table, and fraction of the way to
+    the next.
+    """
     return held_cell((speed - table.first) / max(table.spacing, 1e-9), NODES - 1)
 
 

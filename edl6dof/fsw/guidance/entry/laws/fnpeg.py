@@ -166,7 +166,9 @@ def correct_turn(params, onboard, nav, memory, out, slowest):
 
 @kernel
 def least_of_both(params, onboard, nav, memory, out, slowest):
-    """Correct the speed of the next reversal by one Gauss-Newton step for downrange and crossrange together."""
+    """Correct the speed of the next reversal by one Gauss-Newton step for downrange and crossrange
+    together.
+    """
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
     down, aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn + nudge)
     down_slope, aside_slope = (down - memory.miss) / nudge, (aside - memory.aside) / nudge

@@ -73,7 +73,9 @@ def median(values, count, ordered):
 
 @kernel
 def refused_again(count, refused, usable):
-    """Update the count of looks in a row in which more than half of the ``usable`` readings were ``refused``."""
+    """Update the count of looks in a row in which more than half of the ``usable`` readings were
+    ``refused``.
+    """
     if usable == 0:
         return count
     return count + 1 if 2 * refused > usable else 0

@@ -191,7 +191,9 @@ def _put_column(a, row, column, v):
 
 @kernel
 def move_covariance(transition, considered, moved, covariance):
-    """Propagate the covariance P to F P F', which changes only the rows and columns of the changing states."""
+    """Propagate the covariance P to F P F', which changes only the rows and columns of the changing
+    states.
+    """
     for i in range(MOVING):
         for k in range(WIDTH):
             moved[i, k] = 0.0
