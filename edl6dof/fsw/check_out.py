@@ -1,9 +1,9 @@
 """Check-out of thrusters before they are needed: each is pulsed alone, and the gyros show whether it works.
 
 In the first periods of the first phase the two 250 N thrusters of bank control are switched on and off; one
-that does not turn the vehicle is taken out of the selection for the rest of the flight.  Source: Hu et al.
-2022, section 3 (pulse length and threshold are estimates).  Attitude control rests meanwhile, a few tenths of
-a second in which the vehicle hardly moves.
+that does not turn the vehicle is not used for the rest of the flight. Source: Hu et al. 2022, section 3
+(pulse length and threshold are estimates). Attitude control is off meanwhile; these are a few tenths of a
+second in which the vehicle hardly moves.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class CheckOutParams(Params):
 
 CHECK_OUT = record(("setting", dtype_of(CheckOutParams)), ("thruster", "i8", (MAX_CHECKED,)), ("count", "i8"))
 
-#: ``next`` counts the thrusters done; ``response`` is the rate change of each over the expected one.
+#: ``next``: number of thrusters already tried; ``under_way``: a trial has begun, at flight time ``since`` (s)
+#: with the body rate ``rate`` (rad/s, B); ``response``: rate change of each thruster over the expected one.
 CHECK_OUT_MEMORY = record(
     ("next", whole(0, MAX_CHECKED)),
     ("under_way", FLAG),
@@ -49,7 +50,7 @@ CHECK_OUT_MEMORY = record(
 
 
 def check_out_problems(params: CheckOutParams, thrusters: Sequence[str]) -> dict[str, str]:
-    """Names of thrusters that do not exist, by dotted key."""
+    """Return a message for each named thruster that does not exist, by its dotted key."""
     known = ", ".join(thrusters) or "none"
     return {
         f"flight_software.check_out.thrusters.{index}": f"no thruster named {name!r}; names: {known}"
@@ -67,13 +68,14 @@ def fill_check_out(record: np.void, params: CheckOutParams, thrusters: Sequence[
 
 @kernel
 def response(wrench, inertia, pulse, before, after):
-    """Rate change over a pulse along the expected one, relative to it: 1 for full thrust, 0 for none.
+    """Return the rate change over a pulse along the expected rate change, relative to it: 1 for full thrust,
+    0 for none.
 
     Args:
         wrench: force and torque of the thruster at full thrust, 6 values (N, N m).
         inertia: believed principal moments, kg m2.
-        pulse: its length, s.
-        before, after: body rate, rad/s.
+        pulse: length of the pulse, s.
+        before, after: body rate before and after the pulse, rad/s, B.
     """
     expected = (
         wrench[3] * pulse / inertia[0],
@@ -85,23 +87,25 @@ def response(wrench, inertia, pulse, before, after):
 
 @kernel
 def under_check_out(params, phase, memory):
-    """Return whether thrusters are still to be tried: in the first phase only."""
+    """Return whether thrusters are still to be tried, which happens in the first phase only."""
     return phase == 0 and memory.next < params.count
 
 
 @kernel
 def put_off(memory):
-    """Try the thruster whose turn it is again later: something else turns the vehicle now."""
+    """Abandon the present trial, because something else turns the vehicle; the thruster is tried
+    again later.
+    """
     memory.under_way = 0
 
 
 @kernel
 def check_out(params, effectiveness, inertia, t, rate, dt, memory):
-    """One control cycle of check-out at time ``t`` with the measured body ``rate`` (rad/s).
+    """Run one control cycle of check-out at flight time ``t`` (s) with the measured body ``rate`` (rad/s, B).
 
     Returns:
-        the valve to open from now, for how long (s), and the fraction of thrust that it lacks once that is
-        known, 0 for one that responds.
+        number of the thruster to open from now on; time for which it is open (s); fraction of its thrust that
+        is lost, 0 if it responds or is not evaluated yet.
     """
     thruster, pulse = params.thruster[memory.next], params.setting.pulse
     if memory.under_way == 0:

@@ -2,16 +2,16 @@
 guidance, estimation, fault isolation, attitude control, allocation, modulation.  After each step a command
 from outside may replace its result.
 
-The cycle alone sees the memories of all modules.  It hands each step its own, and the others that its
-signature names.
+Only the cycle has access to the memories of all modules. It passes each step its own memory and the other
+records in the signature of the step.
 
 Arguments have the same names in all kernels of the flight software: ``onboard`` is the ``ONBOARD`` record,
 ``vehicle``, ``planet``, ``atmosphere`` and ``instruments`` its parts of these names, and ``params`` or ``p``
-the kernel's own settings in it.  ``sensed``, ``nav``, ``state`` and ``goal`` (``out`` in guidance) are the
-records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``.  ``effectiveness`` holds force and torque of
-each thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight
-time and ``dt`` the time since the last call (s).  ``memory`` is updated, ``out`` is written.  A docstring
-says what differs from this.
+the kernel's own settings in it. ``sensed``, ``nav``, ``state`` and ``goal`` (``out`` in guidance) are the
+records ``SENSED``, ``NAV``, ``VEHICLE_STATE`` and ``GUIDE``. ``effectiveness`` is force and torque of each
+thruster at full thrust, rows of 6 (N, N m), ``healthy`` is 0 for a thruster out of use, ``t`` is flight time
+and ``dt`` the time since the last call (s). ``memory`` is updated, ``out`` is written. A docstring describes
+only the arguments that differ from this.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from edl6dof.interface.effectors import ENGINE_OFF
 from edl6dof.kernels import kernel
 from edl6dof.spatial.vector import take3
 
-#: Records of ``FSW``, each with the steps of a cycle that write it; a step reads those that it is handed.
+#: Steps of a cycle that write each record of ``FSW``; a step reads the records that it gets as arguments.
 WRITERS = {
     "navigation": ("estimate_state", "replace_estimate"),
     "nav": ("derive", "filter_drag"),
@@ -72,7 +72,7 @@ WRITERS = {
 
 @kernel
 def command_angles_and_engine(vehicle, goal, state, command):
-    """Command the angles and the thrust that guidance wants."""
+    """Command the bank angle, angle of attack, engine mode and thrust of guidance."""
     command.steering, command.bank = 1, goal.bank
     command.alpha = 0.0 if state.wing_commanded != 0 else goal.alpha
     command.engine_mode = goal.engine_mode if state.ignited != 0 else ENGINE_OFF
@@ -81,7 +81,9 @@ def command_angles_and_engine(vehicle, goal, state, command):
 
 @kernel
 def commanded_thrust(vehicle, t, state, command):
-    """Thrust (N) along the axis that the engines are to give now, all together, but for that of thrusters."""
+    """Return the commanded axial thrust (N) of all burning engines at flight time ``t`` (s), without the
+    share that the axial thrusters give.
+    """
     thrust = 0.0
     if t >= state.ignition_time:
         for i in range(vehicle.n_engines):
@@ -92,7 +94,7 @@ def commanded_thrust(vehicle, t, state, command):
 
 @kernel
 def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state):
-    """Update the belief in a loss of thrust, or in a stuck throttle, from the unexplained axial force."""
+    """Update the believed loss of thrust and the believed stuck throttle from the unexplained axial force."""
     commanded, measured = commanded_thrust(vehicle, nav.t, state, command), -disturbance.unexplained[0]
     full, weight = state.engine.full_thrust, state.mass * nav.gravity
     state.held_thrust = stuck_throttle(
@@ -104,14 +106,16 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
 
 @kernel
 def axial_load(unexplained, goal, state):
-    """Axial force of air and riser, N: what neither thrusters nor engine explain."""
+    """Return the axial force (N) of air and riser: the part that neither thrusters nor engine explain."""
     thrust = goal.thrust * (1.0 - state.engine.by_thrusters)
     return abs(unexplained[0] + thrust) if state.ignited != 0 else abs(unexplained[0])
 
 
 @kernel
 def run(functions, onboard, sensed, k, fsw):
-    """Run base cycle ``k``, from ``sensed`` to ``fsw.command``, with the kernels of :mod:`.functions`."""
+    """Run base cycle number ``k``, from ``sensed`` to ``fsw.command``, with the kernels ``functions``
+    (:mod:`.functions`).
+    """
     laws, control, share_out, estimate, filters, classify, detect_hazards = functions
     vehicle, rates = onboard.vehicle, onboard.rates
     nav, state, goal, command = fsw.nav, fsw.vehicle, fsw.guide, fsw.command

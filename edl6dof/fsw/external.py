@@ -1,9 +1,9 @@
 """Commands from outside: after a part of the flight software has run, a command replaces its result, if one
 is given.
 
-The part runs all the same, so that it can take over at any time, and its own result is kept (``OWN``).  The
-parts after it treat the command as its result: the bank rate, the throttle band, the shortest pulses and the
-abilities of the vehicle still limit it.
+The part runs all the same, so that it can take over at any time, and its own result is stored (``OWN``). The
+later parts use the command as its result: bank rate, throttle band, shortest pulses and the abilities of the
+vehicle still limit the command.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.vector import clamp, put3, put4, take3
 
-#: Last results of the flight software itself, whatever was commanded.
+#: Last results of the flight software itself, before a command replaces them.
 OWN = record(
     ("bank", "f8"),  # rad: of entry guidance
     ("thrust_N", "f8", (3,)),  # N, north, east, down: thrust vector of powered guidance
@@ -50,8 +50,8 @@ def replace_landing_point(external, point):
 
 @kernel
 def replace_bank(external, limit, before, dt, goal):
-    """Put the commanded bank angle into ``goal``, or move it at the commanded rate from ``before`` (rad), the
-    last cycle's, in both cases at no more than ``limit`` (rad/s).
+    """Set the bank angle of ``goal`` to the commanded one, or change it at the commanded rate, in both cases
+    from ``before`` (rad), the bank angle of the last cycle, at no more than ``limit`` (rad/s).
     """
     if external.given.bank != 0:
         goal.bank = clamp(external.bank, before - limit * dt, before + limit * dt)
@@ -61,8 +61,8 @@ def replace_bank(external, limit, before, dt, goal):
 
 @kernel
 def replace_thrust(external, powered, state, t, goal):
-    """Put the commanded thrust, or the size of it, into ``goal`` while the engine burns; lateral force then
-    comes from the tilt alone.  ``powered``: parameters of powered guidance (start of the engine).
+    """Set the thrust of ``goal`` to the commanded vector or magnitude while the engine burns; a commanded
+    vector replaces the lateral force of the thrusters. ``powered``: parameters of powered guidance.
     """
     given = external.given
     if state.ignited == 0 or (given.thrust == 0 and given.throttle == 0):
@@ -82,7 +82,7 @@ def replace_thrust(external, powered, state, t, goal):
 
 @kernel
 def replace_health(external, count, healthy):
-    """Take thrusters that are isolated from outside, of ``count``, out of use."""
+    """Take thrusters that are isolated from outside out of use; ``count``: number of thrusters."""
     if external.given.isolate == 0:
         return
     for i in range(count):
@@ -92,14 +92,16 @@ def replace_health(external, count, healthy):
 
 @kernel
 def replace_torque(external, torque, own):
-    """Return the commanded torque (N m, B), or that of attitude control, which is kept in ``own``."""
+    """Return the commanded torque (N m, B), or else ``torque`` of attitude control, which is stored in
+    ``own``.
+    """
     put3(own.torque_B, 0, torque)
     return take3(external.torque_B, 0) if external.given.torque != 0 else torque
 
 
 @kernel
 def replace_duties(external, count, duty, own):
-    """Replace the duties of ``count`` thrusters by the commanded ones; ``own`` keeps those of allocation."""
+    """Replace the duties of ``count`` thrusters by the commanded ones; ``own`` stores those of allocation."""
     for i in range(count):
         own.duty[i] = duty[i]
     if external.given.duties != 0:

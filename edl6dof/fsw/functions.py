@@ -1,4 +1,4 @@
-"""The functions that a cycle of the flight software is given: the chosen member of each family."""
+"""The functions that are passed into a cycle of the flight software: the chosen member of each family."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _fsw(*path: str) -> types.Type:
 
 _NAV, _GUIDE, _STATE, _SENSED = _fsw("nav"), _fsw("guide"), _fsw("vehicle"), kind_of(SENSED)
 
-#: Where a cycle is given members of families.
+#: Places of the cycle that take a member of a family.
 PLACES = {
     "entry_law": place(
         *("entry_law", wanted_bank, ("guidance", "entry", "law"), NUMBER),
@@ -83,13 +83,14 @@ PLACES = {
         *(float64, float64, _fsw("hazard", "safety_map")),
     ),
 }
-#: Hazard detection is given as a whole, since few flights have any.
+#: Hazard detection is passed as a whole, since few flights have it.
 _DETECT = function_type(
     *("detect_hazards", signature(detect_hazards).parameters, NOTHING),
     *(PLACES["classify"].type, _onboard(), int64, float64, _SENSED, _NAV, _STATE),
     *(_fsw("hazard"), _fsw("landing_point"), _fsw("command")),
 )
-#: Functions that a cycle is given: laws of guidance and the two parts of a navigation filter together.
+#: Functions in the order of the argument of a cycle: the guidance laws, and the two parts of a navigation
+#: filter, are one tuple each.
 _GROUPS = (
     *(("entry_law", "bank_side", "powered_law"), "control", "share_out", "estimate"),
     *(("start_filter", "correct_solution"), "classify", "detect_hazards"),
@@ -103,13 +104,13 @@ CYCLE = function_type("run", signature(run).parameters, NOTHING, SOFTWARE, _onbo
 
 
 def chosen(name: str, onboard: Any) -> Given:
-    """The function of one name that a flight computer chooses, an ``ONBOARD`` record."""
+    """Return the function at place ``name`` (of ``PLACES``) that an ``ONBOARD`` record chooses."""
     one = PLACES[name]
     return one.function({int(reduce(getitem, one.path, onboard))})
 
 
 def software_functions(onboard: Any) -> Any:
-    """The functions that one flight computer chooses, an ``ONBOARD`` record."""
+    """Return the functions that an ``ONBOARD`` record chooses, in the order of ``SOFTWARE``."""
     mission = onboard["mission"]
     phases = {int(one) for one in mission["phases"]["control"][: int(mission["n_phases"])]}
     detects = int(onboard["hazard"]["detection"]) != GIVEN

@@ -1,8 +1,8 @@
-"""The mission as a table of phases and triggers, and the sequencer that requests events and changes phase.
+"""The mission as a table of phases and triggers, and the sequencer, which requests events and changes phases.
 
-A phase names its guidance, its attitude controller and the thruster groups it may fire; it carries events
-(deployments) and ends by a trigger.  The sequencer looks only at navigated quantities, at what guidance
-expects and at what was commanded, and never sees the truth; time windows bound the triggers on both sides.
+A phase names its guidance, its attitude controller and the thruster groups that may fire; it contains events
+(such as deployments) and ends by a transition. The sequencer uses only navigated quantities, predictions of
+guidance and past commands, never the truth; time windows bound the triggers on both sides.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Guidance = Literal["none", "hold_bank", "entry", "powered", "hover", "avoid", "d
 GUIDANCE: tuple[Guidance, ...] = get_args(Guidance)
 G_NONE, G_HOLD_BANK, G_ENTRY, G_POWERED, G_HOVER, G_AVOID, G_DESCEND, G_HELD_THRUST = range(len(GUIDANCE))
 
-#: Quantities that a trigger can watch; :func:`watched` has their values.
+#: Quantities of triggers; :func:`watched` returns their values.
 Quantity = Literal[
     "time_s",
     "phase_time_s",
@@ -47,22 +47,22 @@ Quantity = Literal[
     "time_to_go_s",
     "footpad_contact",
     "wing_open",
-    "wing_time_s",  # since the trim wing was commanded; 0 before
-    "total_alpha_deg",  # between the body axis and the flow, with the wind that is expected
-    "force_angle_deg",  # between the body axis and the force that thrusters do not explain, smoothed
+    "wing_time_s",  # time since the trim wing was commanded; 0 before
+    "total_alpha_deg",  # angle between the body axis and the flow in the expected wind
+    "force_angle_deg",  # angle between the body axis and the unexplained force, smoothed
     "downrange_to_go_m",  # along the course until the aim point of entry guidance lies abeam; negative beyond
-    "spot_chosen",  # by hazard detection: the spot to land on
-    "held_thrust_n",  # of a throttle that is believed stuck; 0: it moves
-    "stop_height_m",  # above ground: where that thrust brings the lander to rest, if it brakes from now on
+    "spot_chosen",  # hazard detection has chosen the spot to land on
+    "held_thrust_n",  # thrust of a throttle that is believed stuck; 0: none
+    "stop_height_m",  # height of rest with a stuck throttle, if it burns from now on
 ]
 
 
 class Condition(Params):
     """A condition on one navigated quantity."""
 
-    quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
+    quantity: Quantity = param(REQUIRED, "navigated quantity of the condition")
     crosses: Literal["below", "above"] = param(
-        REQUIRED, "side of the value on which it holds, also where the quantity was there from the start"
+        REQUIRED, "side of the value on which the condition is true; no crossing is needed"
     )
     value: float = param(REQUIRED, "threshold, in the quantity's own unit")
 
@@ -73,13 +73,13 @@ class Trigger(Condition):
     earliest_s: float = param(0.0, "phase time before which the trigger cannot fire", ge=0.0)
     latest_s: float = param(
         NEVER,
-        "phase time at which it fires whatever the quantity",
+        "phase time at which it fires for any value of the quantity",
         gt=0.0,
         usual=(0, 1e9, "a time after the start of a phase"),
     )
 
 
-#: Words of the field that are no action of their own, and what says the same.
+#: Common words for events that are no action, and the equivalent to write.
 SAID_OTHERWISE = {
     "eject": "jettison, which throws a part off at its separation_velocity_m_s, or deploy, which fires a "
     "parachute's pack at its mortar_speed_m_s",
@@ -89,10 +89,12 @@ SAID_OTHERWISE = {
 
 
 class Event(Params):
-    """Something that is done once inside a phase; two phases may hold the same one, as on branches."""
+    """An action that is done once inside a phase; two phases may contain the same event, as on alternative
+    branches.
+    """
 
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
-    action: Action = param(REQUIRED, "what is done", record=False)
+    action: Action = param(REQUIRED, "action of the event", record=False)
     component: Key = param(
         REQUIRED, "object: a part, parachute, engine or surface of the vehicle, or landing_gear", record=False
     )
@@ -110,15 +112,17 @@ class Event(Params):
 
 
 class Transition(Params):
-    """One way in which a phase ends: conditions inside a time window of the phase, and what follows."""
+    """One way in which a phase ends: conditions inside a time window of the phase, and the phase that
+    follows.
+    """
 
     when: Annotated[list[Condition], Capacity(MAX_CONDITIONS)] = param(
         REQUIRED, "conditions", min_length=1, max_length=MAX_CONDITIONS
     )
     join: Literal["all", "any"] = param("all", "whether all conditions must hold, or any")
-    earliest_s: float = param(0.0, "phase time before which it is closed", ge=0.0)
-    latest_s: float = param(NEVER, "phase time at which it is taken whatever the conditions", gt=0.0)
-    next: Key | None = param(None, "phase that follows; none: the next of the list", record=False)
+    earliest_s: float = param(0.0, "phase time before which it is not taken", ge=0.0)
+    latest_s: float = param(NEVER, "phase time at which it is taken in any case", gt=0.0)
+    next: Key | None = param(None, "phase that follows; none: the next in the list", record=False)
 
 
 class Phase(Params):
@@ -126,7 +130,7 @@ class Phase(Params):
 
     name: Key = param(REQUIRED, "name shown in events and telemetry", record=False)
     role: Role = param(
-        NO_ROLE, "what the phase is for: figures, reports and studies look for it", record=False
+        NO_ROLE, "purpose of the phase, by which figures, reports and studies find it", record=False
     )
     guidance: Guidance = param("none", "guidance of the phase")
     control: ControllerName = param("off", "attitude controller of the phase")
@@ -134,10 +138,10 @@ class Phase(Params):
         None, "thruster groups that may fire for attitude", factory=list, max_length=len(THRUSTER_GROUPS)
     )
     hold_alpha: bool = param(
-        False, "whether bank_to_steer holds the angle of attack by thrusters, which trims itself otherwise"
+        False, "whether bank_to_steer holds the angle of attack by thrusters instead of the aerodynamic trim"
     )
     bandwidth: float = param(
-        1.0, "bandwidth of the loop of thrust_vector in this phase over that of its gains", gt=0.0, le=3.0
+        1.0, "bandwidth of thrust_vector in this phase, over that of its gains", gt=0.0, le=3.0
     )
     events: Annotated[list[Event], Capacity(MAX_PHASE_EVENTS)] = param(
         None, "events inside the phase", factory=list, max_length=MAX_PHASE_EVENTS
@@ -146,7 +150,7 @@ class Phase(Params):
         None, "ways in which the phase may end, and the phase that follows each", factory=list
     )
     until: Trigger | None = param(
-        None, "short for one more transition, with one condition, to the next phase", record=False
+        None, "short form of a last transition with one condition, to the next phase", record=False
     )
 
     @property
@@ -160,12 +164,12 @@ class Phase(Params):
 
 
 class MissionParams(Params):
-    """The phase table; an empty one flies without flight software."""
+    """The phase table; with an empty table only navigation runs."""
 
     goal: Literal["landing", "deployment", "event", "time"] = param(
         "landing",
         (
-            "what counts as success: a landing within limits, the mortar fired within limits, the event of "
+            "criterion of success: a landing within limits, the mortar fired within limits, the event of "
             "goal_event within limits, or a flight up to simulation.time_limit_s"
         ),
         record=False,
@@ -177,7 +181,7 @@ class MissionParams(Params):
 
     @property
     def exits(self) -> list[list[Transition]]:
-        """Transitions of each phase; after the last of the list, only those that name a phase."""
+        """Transitions of each phase; of the last phase without ``until``."""
         return [
             *(phase.exits for phase in self.phases[:-1]),
             *(phase.transitions for phase in self.phases[-1:]),
@@ -185,7 +189,7 @@ class MissionParams(Params):
 
     @property
     def last_events(self) -> set[str]:
-        """Names of the events with which the flight ends."""
+        """Names of the events that end the flight."""
         if self.goal == "event":
             return {stated(self.goal_event)}
         deploying = self.goal == "deployment"
@@ -193,7 +197,7 @@ class MissionParams(Params):
 
     @property
     def events(self) -> dict[str, Event]:
-        """Events by name in the order of their numbers: as the phases first name them."""
+        """Events by name, in the order of their numbers: that of their first occurrence in the phases."""
         found: dict[str, Event] = {}
         for phase in self.phases:
             for event in phase.events:
@@ -204,8 +208,8 @@ class MissionParams(Params):
 _TABLE = dtype_of(MissionParams)
 MISSION = record(
     *[(name, _TABLE[name]) for name in stated(_TABLE.names)],
-    ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of each phase, in the table below
-    ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # phase that each transition of each phase leads to
+    ("number", "i8", (MAX_PHASES, MAX_PHASE_EVENTS)),  # of each event of a phase, in the event table
+    ("follows", "i8", (MAX_PHASES, MAX_TRANSITIONS)),  # index of the phase after each transition
     *[(name, EVENT_TABLE[name]) for name in stated(EVENT_TABLE.names)],
 )
 
@@ -213,17 +217,17 @@ MISSION = record(
 SEQUENCE = record(
     ("phase", whole(0, MAX_PHASES - 1, of="phases")),
     ("phase_start", "f8"),  # s, flight time
-    ("event_done", FLAG, (MAX_EVENTS,)),  # requested
+    ("event_done", FLAG, (MAX_EVENTS,)),  # the event has been requested
     ("entered", TIME_IF_EVER, (MAX_PHASES,)),  # s, flight time at which each phase began
 )
 
-#: Number of ``all`` among the ways to join conditions.
+#: Index of ``all`` among the choices of ``join``.
 JOIN_ALL = 0
 
 
 @kernel
 def watched(quantity, nav, vehicle, guide, elapsed):
-    """Present value of a trigger quantity, in the order of ``Quantity``."""
+    """Present value of the trigger quantity with this index in ``Quantity``; ``elapsed``: phase time, s."""
     values = (
         nav.t,
         elapsed,
@@ -250,7 +254,7 @@ def watched(quantity, nav, vehicle, guide, elapsed):
 
 @kernel
 def holds(condition, nav, vehicle, guide, elapsed):
-    """Return whether a condition holds."""
+    """Return whether a condition is true; ``elapsed``: phase time, s."""
     value = watched(condition.quantity, nav, vehicle, guide, elapsed)
     if condition.crosses == 0:
         return value < condition.value
@@ -283,7 +287,7 @@ def is_open(way, nav, vehicle, guide, elapsed):
 
 @kernel
 def enter(phase, t, memory):
-    """Begin a phase."""
+    """Begin a phase at flight time ``t`` (s)."""
     memory.phase = phase
     memory.phase_start = t
     memory.entered[phase] = t

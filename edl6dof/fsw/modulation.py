@@ -1,21 +1,20 @@
-"""Pulse-width modulation, and all that opens a valve: the valve intervals are written here and nowhere else.
+"""Pulse-width modulation, and all other openings of valves: only this module writes valve intervals.
 
-Each thruster collects the on-time that is demanded of it.  When a share h of its shortest pulse w is due, the
-valve opens; it closes as soon as nothing is due any more, but not before w is over.  It opens at the start of
-a control cycle, stays open over as many as needed, and closes at any time within one.  A steady duty d so
+The demanded on-time of each thruster is accumulated. When a share h of its shortest pulse w is due, the valve
+opens; it closes when no on-time is due any more, but not before w is over. It opens at the start of a control
+cycle, stays open for as many cycles as needed, and closes at any time within a cycle. A constant duty d then
 gives pulses of
 
     w max(1, h / (1 - d))   every   w max(1, h / (1 - d)) / d,
 
-longer the larger the duty, and the mean thrust follows the duty in a line from the deadband to saturation.
-A valve never closes for so short a time that thrust would begin again before it has ended.  On-time due to
-a thruster that is no longer commanded is dropped.
+longer at a larger duty, and the mean thrust is proportional to the duty between deadband and saturation. A
+valve never closes for so short a time that thrust would begin again before it has ended. On-time that is due
+is dropped when the duty falls into the deadband.
 
-The share h trades openings against delay: at 1 a valve opens least often, at 1/2 the on-time given is as
-often ahead of the demand as behind it.  Figures: docs/modulation.md.
-Source: Hu et al. 2022, section 4.2 (linear modulation with deadband and saturation; 40 ms and 128 ms minimum
-pulses); pulses whose width and spacing both follow the demand: Wie, Space Vehicle Dynamics and Control, 2008
-(pulse-width pulse-frequency modulation).
+The share h trades the number of openings against delay: at 1 a valve opens least often, at 1/2 the on-time
+leads the demand as often as it lags. Figures: docs/modulation.md. Source: Hu et al. 2022, section 4.2 (linear
+modulation with deadband and saturation; 40 ms and 128 ms minimum pulses); pulses whose width and spacing both
+follow the demand: Wie, Space Vehicle Dynamics and Control, 2008 (pulse-width pulse-frequency modulation).
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ class ModulationParams(Params):
 
     deadband: float = param(
         0.03,
-        "duty below which a valve stays shut, and distance from one within which it stays open",
+        "duty up to which a valve stays shut; within the same distance of one it stays open",
         ge=0.0,
         lt=1.0,
     )
@@ -40,7 +39,7 @@ class ModulationParams(Params):
     )
     shortest_gap_s: float = param(
         0.012,
-        "time for which a valve closes at least, so that thrust ends before it begins again",
+        "shortest time for which a valve closes, so that thrust ends before it begins again",
         status="estimate",
         source="decay of 12 ms",
         ge=0.0,
@@ -49,11 +48,11 @@ class ModulationParams(Params):
 
 
 MODULATION = record(
-    ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time demanded and not yet given
+    ("residual", "f8", (MAX_THRUSTERS,)),  # s: on-time that is due
     ("busy_until", "f8", (MAX_THRUSTERS,)),  # s, flight time: end of the shortest pulse under way
-    ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: demanded last
-    ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when each valve opens in the control cycle
-    ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: when it closes; when it opens for no pulse
+    ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1: last demanded duty
+    ("open_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: opening in the control cycle
+    ("close_time", "f8", (MAX_THRUSTERS,)),  # s, flight time: closing; equal to the opening for no pulse
 )
 
 
@@ -90,7 +89,7 @@ def open_alone(thruster, on, count, t, memory):
 
 @kernel
 def open_for_test(i, vehicle, t, cycle, memory):
-    """Open valve ``i`` for the shortest pulse, at least a cycle; no demand is charged for it."""
+    """Open valve ``i`` for the shortest pulse, at least for a cycle, independently of the demand."""
     end = t + max(vehicle.thrusters[i].minimum_pulse, cycle)
     memory.open_time[i], memory.close_time[i] = t, t + cycle
     memory.busy_until[i] = end
@@ -106,10 +105,11 @@ def command_valves(count, memory, command):
 
 @kernel
 def excess_torque(effectiveness, count, cycle, memory):
-    """Torque (N m, B) that the valve intervals of the last cycle gave beyond the duties they stand for.
+    """Torque (N m, B) of the valve intervals of the last cycle less that of the duties; rows of
+    ``effectiveness``: N, N m.
 
-    Pulses are never shorter than the minimum and small duties fall into the deadband, so on average a
-    thruster set gives a little less, or more, than it was asked for.
+    As pulses have a minimum length and small duties are in the deadband, the mean torque is slightly smaller,
+    or larger, than the demanded one.
     """
     open_time, close_time, duty = memory.open_time, memory.close_time, memory.duty
     x, y, z = 0.0, 0.0, 0.0

@@ -1,7 +1,8 @@
 """The Onboard record: everything the flight computer believes, and its settings.
 
-It is filled from the nominal configuration; dispersions and faults change the truth only.  The atmosphere is
-a coarse table of density, speed of sound and expected mean wind; drag and lift are one number each.
+It is filled from the nominal configuration; dispersions and faults change only the truth. The atmosphere is a
+coarse table of density, speed of sound and expected mean wind; drag area and lift-to-drag ratio are one
+number each, times factors over Mach number.
 """
 
 from __future__ import annotations
@@ -55,16 +56,16 @@ _PoweredLaws: Any = POWERED_LAWS.params_model("PoweredLawParams", "law", "polyno
 
 
 class EntryGuidanceParams(_EntryLaws):
-    """Entry guidance: the law, and what all laws share."""
+    """Entry guidance: the law, and the settings that all laws share."""
 
     preset_bank_deg: float = param(
-        55.0, "bank held before lift control (its sign is towards the aim point)", ge=0.0, le=180.0
+        55.0, "bank magnitude before lift control, towards the aim point", ge=0.0, le=180.0
     )
     trim_alpha_deg: float = param(
         -10.0, "angle of attack until lift control ends", status="published", source="S1", ge=-90.0, le=90.0
     )
     bank_min_deg: float = param(
-        15.0, "smallest bank magnitude: crossrange control is never given up", ge=0.0, le=90.0
+        15.0, "smallest bank magnitude, which preserves crossrange control", ge=0.0, le=90.0
     )
     bank_max_deg: float = param(105.0, "largest bank magnitude", ge=0.0, le=180.0)
     bank_rate_deg_s: float = param(
@@ -94,12 +95,14 @@ class EntryGuidanceParams(_EntryLaws):
         0.0, "Mach number at which a prediction ends; 0: at final_speed_m_s", ge=0.0, le=10.0
     )
     expected_wind: ExpectedWindParams = group(
-        ExpectedWindParams, "mean wind that is expected; the true one is the section wind", record=False
+        ExpectedWindParams, "expected mean wind; the section wind is the true one", record=False
     )
 
     @property
     def heading_below_m_s(self) -> float:
-        """Speed below which heading alignment takes over: the chosen law's own, where it has one."""
+        """Speed below which heading alignment replaces range control: that of the chosen law, if it has
+        one.
+        """
         own = getattr(getattr(self, self.law, None), "heading_speed_m_s", None)
         return self.heading.speed_m_s if own is None else float(own)
 
@@ -109,7 +112,11 @@ class PoweredGuidanceParams(_PoweredLaws):
 
     full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
     full_again: float = param(
-        1.5, "demand, over the band, beyond which full thrust comes back", status="estimate", ge=1.0, le=100.0
+        1.5,
+        "demand, over the band, from which full thrust is used again",
+        status="estimate",
+        ge=1.0,
+        le=100.0,
     )
     target: PoweredTargetParams = group(PoweredTargetParams, "where powered deceleration ends")
     terminal: TerminalParams = group(TerminalParams, "hover, hazard avoidance, slow descent")
@@ -162,7 +169,7 @@ class BelievedThruster(Params):
     thrust_n: float = param(..., "thrust")
     specific_impulse_s: float = param(..., "specific impulse")
     minimum_pulse_s: float = param(..., "shortest pulse")
-    group: int = param(..., "group index")
+    group: int = param(..., "index of the thruster group")
 
 
 class _Thrusters(Params):
@@ -173,7 +180,7 @@ CONFIGURATION = record(
     ("mass", "f8"),  # kg: believed
     ("centre", "f8", (3,)),  # m, B: centre of mass, from the nose
     ("inertia", "f8", (3,)),  # kg m2, B: principal moments about the centre of mass
-    ("hung_at", "f8", (3,)),  # m, B: where a riser pulls; the centre of mass where none does
+    ("hung_at", "f8", (3,)),  # m, B: attachment point of a riser; the centre of mass without one
 )
 
 ONBOARD = record(
@@ -219,7 +226,7 @@ ONBOARD = record(
             ("drag_area", "f8"),  # m2: drag coefficient times reference area
             ("lift_to_drag", "f8"),  # lift-to-drag ratio at trim
             ("airframe", AIRFRAME),  # trim, drag and lift against the Mach number
-            # by the set of the parts that are gone, a bit for each
+            # one for each set of separated parts, a bit for each part
             ("configuration", CONFIGURATION, (2**MAX_PARTS,)),
             ("pack", "i8", (MAX_PARACHUTES,)),  # part that is the packed parachute; -1: none
             ("engines", ENGINE_ABILITY, (MAX_ENGINES,)),  # each engine by itself
@@ -247,8 +254,8 @@ ONBOARD = record(
     ("plan", ENTRY_LAWS.tables),
 )
 
-#: The memories of the modules of the flight software.  Only the cycle sees all of them; each module gets its
-#: own, and of the others what its signature says.
+#: The memories of the modules of the flight software.  Only the cycle has access to all; each module gets its
+#: own, and the others in its signature.
 FSW = record(
     ("mission", SEQUENCE),
     ("landing_point", LANDING_POINT),

@@ -1,5 +1,5 @@
-"""State of the vehicle as the flight computer believes it: configuration, mass, trim wing and engine,
-concluded from the commands it gives itself; and the thrusters that may be used.
+"""State of the vehicle as the flight computer believes it: configuration, mass, trim wing and engine, derived
+from its own commands; and the thrusters that may be used.
 """
 
 from __future__ import annotations
@@ -14,35 +14,35 @@ from edl6dof.records import FLAG, record, whole
 HEALTH = record(("thruster", FLAG, (MAX_THRUSTERS,)))
 
 
-#: Ability of an engine, or of those that burn taken together.
+#: Ability of one engine, or of all burning engines together.
 ENGINE_ABILITY = record(
     ("full_thrust", "f8"),  # N: at the full level
     ("throttle_min", "f8"),  # N: lower end of the throttle band
     ("throttle_max", "f8"),  # N: upper end of the throttle band
     ("specific_impulse", "f8"),  # s: at full thrust
     ("by_thrusters", "f8"),  # share of the thrust that the axial thrusters give
-    ("axial", "f8"),  # share of an engine's thrust along -x of B, which the others count; 1 of those together
+    ("axial", "f8"),  # share of the thrust along -x of B, to which all other fields refer; 1 of all together
 )
 
 VEHICLE_STATE = record(
-    ("requested", FLAG, (MAX_EVENTS,)),  # events that it has requested
-    ("configuration", whole(0, 2**MAX_PARTS - 1)),  # parts that are gone, a bit for each
+    ("requested", FLAG, (MAX_EVENTS,)),  # events that have been requested
+    ("configuration", whole(0, 2**MAX_PARTS - 1)),  # separated parts, a bit for each
     ("mass", "f8"),  # kg: believed
     ("wing_commanded", FLAG),  # the trim wing was commanded open
     ("wing_time", "f8"),  # s: flight time of that command
     ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
-    ("ignited", FLAG),  # one of them at least
+    ("ignited", FLAG),  # at least one engine burns
     ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
-    ("held_thrust", "f8"),  # N: of a throttle that is believed stuck; 0: it moves
-    ("force_angle", "f8"),  # rad: of the force that thrusters do not explain from the body axis, smoothed
-    ("engine", ENGINE_ABILITY),  # of them together, less the thrust that is missing
+    ("held_thrust", "f8"),  # N: thrust of a throttle that is believed stuck; 0: none
+    ("force_angle", "f8"),  # rad: angle between the unexplained force and -x of B, smoothed
+    ("engine", ENGINE_ABILITY),  # ability of all burning engines, less the believed loss
     ("ignition_time", "f8"),  # s: flight time at which the thrust of the engine begins
 )
 
 
 @kernel
 def take_off(vehicle, part, state):
-    """Believe that a part is gone."""
+    """Remove a part from the believed vehicle."""
     before = state.configuration
     state.configuration = before | (1 << part)
     state.mass += vehicle.configuration[state.configuration].mass - vehicle.configuration[before].mass
@@ -61,7 +61,7 @@ def follow_events(vehicle, mission, t, request, state):
         elif event.action == DEPLOY:
             if (
                 vehicle.pack[event.component] >= 0
-            ):  # the mortar throws the pack off: what it opens to is a body of its own
+            ):  # the mortar ejects the pack; the open canopy is a separate body
                 take_off(vehicle, vehicle.pack[event.component], state)
         elif event.action == EXTEND and event.component != LANDING_GEAR:
             state.wing_commanded = 1
@@ -77,8 +77,8 @@ def follow_events(vehicle, mission, t, request, state):
 
 @kernel
 def take_together(engines, count, state):
-    """Sum up thrust and throttle band of those of ``count`` ``engines`` that burn, less the thrust that is
-    believed to be missing; their specific impulse is the one of their common propellant flow.
+    """Sum up thrust and throttle band of the burning engines, of ``count``, less the believed loss of thrust;
+    the specific impulse is that of their total propellant flow.
     """
     full = low = high = flow = by_thrusters = 0.0
     left = 1.0 - state.thrust_lost
@@ -100,8 +100,8 @@ def take_together(engines, count, state):
 
 @kernel
 def share_thrust(vehicle, thrust, state, command):
-    """Command each engine that burns its share of the ``thrust`` (N, of all together along the axis), in
-    proportion to what it can give, into ``command`` (N); one that points aside gives more than it brings.
+    """Distribute the ``thrust`` (N, total along the axis) over the burning engines in proportion to their
+    full thrust, into ``command`` (N); an oblique engine gets more by the inverse of its axial share.
     """
     for i in range(vehicle.n_engines):
         full = vehicle.engines[i].full_thrust
@@ -112,11 +112,11 @@ def share_thrust(vehicle, thrust, state, command):
 
 @kernel
 def count_propellant(vehicle, thrust, valves, dt, control_dt, state):
-    """Take the propellant of the commanded engine and thruster impulse off the mass.
+    """Subtract the propellant of the commanded engine and thruster impulse from the mass.
 
     Args:
         vehicle: believed vehicle.
-        thrust: of the engine while it runs, N.
+        thrust: commanded engine thrust, N.
         valves: ``MODULATION`` record: the valve intervals of the present control cycle.
         dt, control_dt: base cycle and control cycle, s.
         state: ``VEHICLE_STATE`` record, updated.

@@ -1,1 +1,3 @@
-"""Thruster allocation: duties for a demanded force and torque, and what stays unallocated."""
+"""Thruster allocation: duties for a demanded force and torque, and the part of the demand that stays
+unallocated.
+"""

@@ -1,7 +1,7 @@
-"""Thruster effectiveness: force and torque of each thruster at full thrust, and whether the fine ones
-suffice.
+"""Thruster effectiveness: force and torque of each thruster at full thrust, and a test of whether the fine
+thrusters suffice for a demand.
 
-Geometry only; the allocator shares a demand out.
+This module is geometry only; the allocator distributes the demand.
 """
 
 from __future__ import annotations
@@ -15,19 +15,21 @@ from edl6dof.records import record, whole
 from edl6dof.spatial.vector import take3
 
 ROWS = 6  # force x, y, z; torque x, y, z
-NO_TORQUE = 1e-9  # N m, a demand that is none
+NO_TORQUE = 1e-9  # N m: a demand up to this counts as none
 
 EFFECTIVENESS = record(
     # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
     ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
-    ("of", whole(0, 2**MAX_PARTS)),  # configuration that it belongs to, plus one; 0 before the first
-    ("mark", "f8"),  # sum of all entries, each times its place: what is worked out from them keeps it
+    ("of", whole(0, 2**MAX_PARTS)),  # number of its configuration, plus one; 0: not computed yet
+    ("mark", "f8"),  # checksum of the matrix: derived values are invalid once it changes
 )
 
 
 @kernel
 def effectiveness_matrix(thrusters, count, centre, matrix):
-    """Force and torque about ``centre`` of each thruster at full duty: rows of ``matrix``, written."""
+    """Write force (N) and torque (N m, B) of each thruster at full duty into the rows of ``matrix``;
+    ``centre``: centre of mass, the point of reference of the torque (m, B).
+    """
     for i in range(count):
         jet = thrusters[i]
         x, y, z = jet.thrust * jet.direction[0], jet.thrust * jet.direction[1], jet.thrust * jet.direction[2]
@@ -51,13 +53,15 @@ def update_effectiveness(vehicle, configuration, effectiveness):
 
 @kernel
 def usable(i, thrusters, healthy, mask):
-    """Return whether thruster ``i`` works and belongs to a group in the bit mask."""
+    """Return whether thruster ``i`` is healthy and its group is in the bit ``mask``."""
     return healthy[i] != 0 and (mask >> thrusters[i].group) & 1 == 1
 
 
 @kernel
 def fine_enough(share, matrix, thrusters, count, healthy, demand):
-    """Return whether the healthy fine thrusters can give the torque of ``demand``, up to a ``share``."""
+    """Return whether the healthy fine thrusters can give the torque of ``demand`` (a wrench, N and N m) with
+    no more than ``share`` of their authority on each axis.
+    """
     x, y, z = 0.0, 0.0, 0.0  # largest torque along the demanded direction of each axis
     for i in range(count):
         if healthy[i] != 0 and thrusters[i].group == FINE:

@@ -1,11 +1,12 @@
-"""Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1.
+"""Bounded least squares: minimise |W (B u - d)|^2 + c u over 0 <= u <= 1, with the duties u, the
+effectiveness B, the demand d, the weights W and the cost of use c.
 
-Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound it
-would be non-negative least squares.  Each step moves the duty that has farthest to go to its best value
-(Gauss-Southwell rule), which comes as near to the optimum in some twenty steps as eight cycles through all
-thrusters.  It works on the slope of the error with each duty, which the products B' W^2 B keep up to date;
-these change with the vehicle's configuration only.  The weights W set the priority: torque before force.  It
-starts from nothing, as an earlier solution would keep opposing thrusters running.  Small demands go to the
+Coordinate descent needs no matrix factorisation and keeps the bounds exactly; without the upper bound the
+problem would be non-negative least squares. Each step sets the duty that is farthest from its best value to
+that value (Gauss-Southwell rule); some twenty steps come as near to the optimum as eight cycles through all
+thrusters. The slope of the error with each duty is updated by the products B' W^2 B, which change only with
+the configuration of the vehicle and with W. The weights set the priority: torque before force. The iteration
+starts from zero duties, as an earlier solution would keep opposing thrusters running. Small demands go to the
 fine thrusters alone (Hu et al. 2022, section 4.3).
 
 Source: coordinate descent for bounded least squares, Bertsekas, Nonlinear Programming, section 2.7; rule of
@@ -28,22 +29,24 @@ class LeastSquaresParams(Params):
     """Bounded least squares over all thrusters."""
 
     steps: int = param(200, "largest number of changes of a duty", ge=1, le=1000000)
-    tolerance: float = param(4e-3, "change of duty below which the iteration stops", gt=0.0, lt=1.0)
+    tolerance: float = param(4e-3, "change of a duty below which the iteration stops", gt=0.0, lt=1.0)
     translating_tolerance: float = param(
-        2e-3, "the same while translating, where many small changes add up", gt=0.0, lt=1.0
+        2e-3, "tolerance while translating, where many small changes add up", gt=0.0, lt=1.0
     )
     force_scale_n: float = param(
-        600.0, "lateral force error that weighs one while translating: torque comes first", gt=0.0
+        600.0, "lateral force error of weight one while translating: torque comes first", gt=0.0
     )
-    stray_force_scale_n: float = param(5000.0, "force error that weighs one otherwise", gt=0.0)
+    stray_force_scale_n: float = param(5000.0, "lateral force error of weight one otherwise", gt=0.0)
     axial_force_scale_n: float = param(
-        1000.0, "axial force error that weighs one while the axial thrusters help the engine", gt=0.0
+        1000.0, "axial force error of weight one while the axial thrusters help the engine", gt=0.0
     )
     use_cost: float = param(0.002, "cost of running a 250 N thruster", ge=0.0)
 
 
-#: Who may fire, in turn; slope of half the squared error with the duty of each, and slope that pays for its
-#: use; products of the weighted effectiveness, duty for each slope, and the weights that these belong to.
+#: ``order``: thrusters that may fire, in turn; ``slope``: negative derivative of half the squared error by
+#: each duty; ``price``: derivative of the cost by each duty; ``gram``: B' W^2 B; ``gain``: inverse of its
+#: diagonal; ``gram_weight`` and ``gram_mark``: the weights and the mark of the effectiveness of which
+#: ``gram`` was computed.
 MEMORY = record(
     ("order", whole(0, MAX_THRUSTERS - 1, of="thrusters"), (MAX_THRUSTERS,)),
     ("slope", "f8", (MAX_THRUSTERS,)),
@@ -51,13 +54,13 @@ MEMORY = record(
     ("gram", "f8", (MAX_THRUSTERS, MAX_THRUSTERS)),
     ("gain", "f8", (MAX_THRUSTERS,)),
     ("gram_weight", "f8", (3,)),
-    ("gram_mark", "f8"),  # of the effectiveness
+    ("gram_mark", "f8"),
 )
 
 
 @kernel
 def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
-    """Duties for a demanded force and torque.
+    """Compute the duties for a demanded force and torque.
 
     Args:
         params: least-squares record.
@@ -111,7 +114,7 @@ def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, d
 
 @kernel
 def product(weight, a, b):
-    """Scalar product of two wrenches with the weights of axial force, lateral force and torque."""
+    """Return the scalar product of two wrenches; ``weight``: of axial force, lateral force and torque."""
     return (
         weight[0] * a[0] * b[0]
         + weight[1] * (a[1] * b[1] + a[2] * b[2])
@@ -121,7 +124,7 @@ def product(weight, a, b):
 
 @kernel
 def update_products(weight, count, effectiveness, memory):
-    """Work out ``memory.gram`` when it belongs to another effectiveness or to other weights."""
+    """Compute ``memory.gram`` again when effectiveness or weights have changed."""
     if memory.gram_mark == effectiveness.mark and take3(memory.gram_weight, 0) == weight:
         return
     memory.gram_mark = effectiveness.mark
@@ -134,7 +137,9 @@ def update_products(weight, count, effectiveness, memory):
 
 @kernel
 def farthest(n, memory, duty):
-    """Thruster whose duty is farthest from its best value, and the change; of equals the first in order."""
+    """Return the thruster whose duty is farthest from its best value, and the change to that value; the first
+    in order where several are equal.
+    """
     order, slope, price, gain = memory.order, memory.slope, memory.price, memory.gain
     chosen, way, size = 0, 0.0, 0.0
     for k in range(n):
@@ -147,7 +152,9 @@ def farthest(n, memory, duty):
 
 @kernel
 def descend(steps, tolerance, n, count, memory, duty):
-    """Change one duty after the other, the farthest first, until none has as far to go as ``tolerance``."""
+    """Change one duty after the other, the one farthest from its best value first, until all are within
+    ``tolerance`` of it or ``steps`` changes have been made.
+    """
     for _ in range(steps):
         i, move = farthest(n, memory, duty)
         if abs(move) < tolerance:

@@ -2,11 +2,11 @@
 that runs the chosen one.
 
 A member has one kernel, ``share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty,
-unallocated)``: it writes ``duty`` (0..1 each) and the part of the demand that these do not give.  ``params``
-and ``memory`` are its own, ``shared`` the settings that all methods have in common.  A result derived from
-the effectiveness is valid until ``effectiveness.mark`` changes.  An unallocated torque stops the integrators
-of attitude control.  On the nominal flight
-(``tests/flights/test_allocation_methods.py`` flies both):
+unallocated)``: it writes ``duty`` (0..1 of each thruster) and ``unallocated``, the part of the demand that
+the duties do not give. ``params`` and ``memory`` belong to the member, ``shared`` are the settings that all
+methods have in common. A result derived from the effectiveness is valid until ``effectiveness.mark`` changes.
+An unallocated torque freezes the integrators of attitude control. On the nominal flight
+(``tests/flights/test_allocation_methods.py`` flies both methods):
 
     method          propellant   largest roll error   thrust direction   body rate at touchdown
     least_squares   137.0 kg     0.21 deg             10.3 deg           0.18 deg/s
@@ -31,24 +31,26 @@ from edl6dof.spatial.quaternion import to_frame
 from edl6dof.spatial.vector import add, put3, scale, take3, take4
 
 DEMAND = record(
-    ("attitude_error", "f8", (3,)),  # rad: error that the attitude controller works on, as it returned it
+    ("attitude_error", "f8", (3,)),  # rad: attitude error that the controller returned
     ("wrench", "f8", (ROWS,)),  # N and N m, B: force x, y, z and torque x, y, z on the vehicle
     ("groups", whole(0, 2 ** len(THRUSTER_GROUPS) - 1)),  # bit mask of the groups that may fire
     ("translating", FLAG),  # lateral force is demanded; otherwise it is only discouraged
-    ("boosting", FLAG),  # the axial thrusters help the engine, or are it; otherwise axial force is left alone
+    ("boosting", FLAG),  # the axial thrusters help or replace the engine; otherwise axial force has no weight
 )
 
 
 @kernel
 def no_demand(demand):
-    """Ask for nothing."""
+    """Set the demanded force and torque to zero."""
     for i in range(ROWS):
         demand.wrench[i] = 0.0
 
 
 @kernel
 def groups_of(phase, boosting, thrusters, count, healthy):
-    """Bit mask of the groups that may fire: of the phase, and axial ones to boost or for a lost one."""
+    """Return the bit mask of the thruster groups that may fire: those of the phase; the axial group as well
+    while boosting or while an attitude thruster is out of use.
+    """
     mask = 1 << AXIAL if boosting else 0
     for i in range(phase.n_thrusters):
         mask |= 1 << phase.thrusters[i]
@@ -60,7 +62,9 @@ def groups_of(phase, boosting, thrusters, count, healthy):
 
 @kernel
 def largest_axial_force(vehicle, effectiveness):
-    """Axial force (N) of all axial thrusters: they help the engine as far as the torque allows."""
+    """Return the axial force (N) of all axial thrusters at full duty; the torque demand decides how much of
+    it they give.
+    """
     force = 0.0
     for i in range(vehicle.n_thrusters):
         if vehicle.thrusters[i].group == AXIAL:
@@ -100,16 +104,16 @@ _Methods: Any = ALLOCATORS.params_model(
 
 
 class AllocationParams(_Methods):
-    """Thruster allocation: the method, and what all share."""
+    """Thruster allocation: the method, and the settings that all methods share."""
 
     torque_scale_nm: float = param(
         250.0,
-        "torque error that weighs one; a fifth of it unallocated counts as saturated",
+        "torque error of weight one; a fifth of it unallocated counts as saturated",
         usual=(0.1, 1e5, "about the torque of one thruster: of 1 N to some kN"),
         gt=0.0,
     )
     fine_share: float = param(
-        0.8, "share of the fine thrusters' authority up to which they work alone", ge=0.0, le=1.0
+        0.8, "share of the fine thrusters' authority up to which only they fire", ge=0.0, le=1.0
     )
 
 
@@ -124,9 +128,9 @@ share_out = ALLOCATORS.role(
 SATURATED_FROM = 0.2
 
 ALLOCATION = record(
-    ("duty", "f8", (MAX_THRUSTERS,)),  # of each thruster, 0..1
+    ("duty", "f8", (MAX_THRUSTERS,)),  # 0..1, of each thruster
     ("unallocated", "f8", (ROWS,)),  # demand less what the duties give, N and N m, B
-    ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control stand still
+    ("saturated", FLAG),  # a torque was left unallocated: the integrators of attitude control are frozen
     ("method", ALLOCATORS.memory),
 )
 
@@ -142,8 +146,8 @@ def is_anything(wrench):
 
 @kernel
 def allocate(share_out, params, vehicle, healthy, effectiveness, demand, out):
-    """Share the ``demand`` (``DEMAND``) out over the thrusters by the method that flies, into ``out``
-    (``ALLOCATION``).
+    """Distribute the ``demand`` (``DEMAND``) over the thrusters by the chosen method; ``out``: ``ALLOCATION``
+    record, written.
     """
     if is_anything(demand.wrench) or demand.boosting != 0:
         share_out(

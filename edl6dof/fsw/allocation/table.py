@@ -1,15 +1,16 @@
 """Table-based selection as flown: for each axis and sign a row of thrusters, chosen by the size of the
 demand.
 
-Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters goes to them, otherwise to the
-250 N ones, and to both where those do not suffice.  A row holds the healthy thrusters that act mainly along
-its axis, all with the same duty, so a failed one only makes the others work longer.  Lateral force comes
-first (section 6.3: two thrusters to a direction), then roll, pitch and yaw out of the pulse time that is
-left: a thruster that serves two directions shares it between them.  The effect of a row on the other axes is
-carried over to theirs; the rest after the last one is reported as unallocated.
+Hu et al. 2022, section 4.3: a demand below the authority of the 25 N thrusters goes to these, a larger one to
+the 250 N thrusters, and to both where the 250 N thrusters do not suffice. A row consists of the healthy
+thrusters that act mainly along its axis, all with the same duty, so that the others fire longer when one has
+failed. Lateral force comes first (section 6.3: two thrusters for each direction), then roll, pitch and yaw
+with the pulse time that is left: a thruster that serves two directions divides its time between them. The
+effect of a row on the other axes is subtracted from their demand; the demand that remains after the last axis
+is reported as unallocated.
 
-The order of the axes is the priority between them.  Left out: any search for a better combination; a row is
-taken whole or not at all.
+The order of the axes is the priority between them. Left out: any search for a better combination; a row is
+used as a whole or not at all.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ class TableParams(Params):
     """Selection from a table of thrusters for each axis and sign."""
 
     alignment: float = param(
-        0.6, "least cosine between torque, or lateral force, and axis of a thruster in a row", gt=0.0, lt=1.0
+        0.6,
+        "least cosine between torque, or lateral force, of a thruster and axis of its row",
+        gt=0.0,
+        lt=1.0,
     )
 
 
@@ -41,7 +45,7 @@ def in_row(matrix, i, row, sign, alignment):
 
 @kernel
 def row_authority(alignment, matrix, vehicle, healthy, mask, row, sign):
-    """Force or torque along an axis of a row of the table at full duty."""
+    """Return force (N) or torque (N m) of the thrusters of a row at full duty, along the axis of the row."""
     total = 0.0
     for i in range(vehicle.n_thrusters):
         if usable(i, vehicle.thrusters, healthy, mask) and in_row(matrix, i, row, sign, alignment):
@@ -51,7 +55,9 @@ def row_authority(alignment, matrix, vehicle, healthy, mask, row, sign):
 
 @kernel
 def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
-    """Share the demand ``left`` along an axis among the thrusters of its row, within their pulse time."""
+    """Distribute the demand ``left`` (a wrench) along axis ``row`` evenly over the thrusters of its row, up
+    to a duty of one, and subtract the wrench that they give.
+    """
     sign = 1.0 if left[row] > 0.0 else -1.0
     total = row_authority(alignment, matrix, vehicle, healthy, mask, row=row, sign=sign)
     if total <= 0.0:
@@ -67,7 +73,9 @@ def add_row(alignment, matrix, vehicle, healthy, mask, row, duty, left):
 
 @kernel
 def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty, left):
-    """Give the torque ``left`` along an axis to the fine thrusters, else to the coarse ones, else to both."""
+    """Allocate the torque ``left`` along axis ``row`` to the fine thrusters, or to the coarse ones, or to
+    both.
+    """
     need, sign = abs(left[row]), 1.0 if left[row] > 0.0 else -1.0
     if need <= 1e-9:
         return
@@ -84,7 +92,7 @@ def add_axis(alignment, fine_share, matrix, vehicle, healthy, groups, row, duty,
 
 @kernel
 def share_out(params, shared, vehicle, healthy, effectiveness, demand, memory, duty, unallocated):
-    """Duties by table; arguments as in :func:`edl6dof.fsw.allocation.least_squares.share_out`."""
+    """Compute the duties by table; arguments as in :func:`edl6dof.fsw.allocation.least_squares.share_out`."""
     matrix, alignment = effectiveness.matrix, params.alignment
     for row in range(ROWS):
         unallocated[row] = demand.wrench[row]

@@ -1,3 +1,1 @@
-"""Attitude control: from attitude error to demanded torque.  The controllers are a family, see
-``registry``.
-"""
+"""Attitude control: from attitude error to demanded torque. ``registry`` lists the family of controllers."""

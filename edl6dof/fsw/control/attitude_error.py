@@ -21,19 +21,23 @@ from edl6dof.spatial.vector import cross, dot, scale, sub, take3, take4
 
 @kernel
 def inertia_torque(inertia, acceleration):
-    """Torque (N m, B) that gives a body of principal ``inertia`` (kg m2) an ``acceleration`` (rad/s2)."""
+    """Return the torque (N m, B) that accelerates a body with the principal moments ``inertia`` (kg m2) by
+    ``acceleration`` (rad/s2).
+    """
     return inertia[0] * acceleration[0], inertia[1] * acceleration[1], inertia[2] * acceleration[2]
 
 
 @kernel
 def gyroscopic_torque(inertia, w):
-    """Torque (N m, B) that keeps the rate ``w`` (rad/s) of principal ``inertia`` (kg m2) from precessing."""
+    """Return the torque (N m, B) that holds the rate ``w`` (rad/s) of a body with the principal moments
+    ``inertia`` (kg m2) constant: w x J w.
+    """
     return cross(w, (inertia[0] * w[0], inertia[1] * w[1], inertia[2] * w[2]))
 
 
 @kernel
 def beyond(x, limit):
-    """The part of ``x`` outside the interval [-limit, limit]."""
+    """Return the part of ``x`` outside the interval [-limit, limit]."""
     if x > limit:
         return x - limit
     if x < -limit:
@@ -43,7 +47,8 @@ def beyond(x, limit):
 
 @kernel
 def path_rate(nav):
-    """Rate at which the planet-relative velocity turns, rad/s, B, from gravity and measured specific force.
+    """Return the rate (rad/s, B) at which the planet-relative velocity turns, from gravity and the measured
+    specific force.
 
     Rotation of the planet and centrifugal terms are left out: they are below 0.01 deg/s.
     """
@@ -56,8 +61,8 @@ def path_rate(nav):
 
 @kernel
 def wind_attitude_error(nav, command):
-    """Rotation vector in B from the actual attitude to the commanded bank and angle of attack without
-    sideslip (rad), and the rate to remove (rad/s).
+    """Return the rotation vector (rad, B) from the actual attitude to the commanded bank and angle of attack
+    without sideslip, and the body rate relative to the velocity (rad/s, B), which is to become zero.
     """
     up_I = take3(nav.up_I, 0)
     goal = attitude_from_wind_angles(take3(nav.v_rel_I, 0), up_I, command.bank, command.alpha, 0.0)
@@ -68,9 +73,9 @@ def wind_attitude_error(nav, command):
 
 @kernel
 def velocity_axes(alpha, beta):
-    """Axes of the velocity frame V in B: along the velocity, and those about which angle of attack and
-    (minus) sideslip turn: the columns of C_cv of Hu et al. 2022, eq. 1, for B instead of the paper's frame c
-    (x and z reversed).
+    """Return the axes of the velocity frame V in B: the direction of the velocity, the axis of the angle of
+    attack, and the axis of minus the sideslip. They are the columns of C_cv of Hu et al. 2022, eq. 1, for B
+    instead of the frame c of the paper (x and z reversed).
     """
     (sa, ca), (sb, cb) = sincos(alpha), sincos(beta)
     return (ca * cb, sb, sa * cb), (-ca * sb, cb, -sa * sb), (-sa, 0.0, ca)
@@ -78,7 +83,9 @@ def velocity_axes(alpha, beta):
 
 @kernel
 def shortest_arc(a, b):
-    """Unit quaternion of the shortest rotation from the unit vector ``a`` to ``b``, any if opposite."""
+    """Return the unit quaternion of the shortest rotation from the unit vector ``a`` to ``b``; any such
+    rotation where they are opposite.
+    """
     s = 1.0 + dot(a, b)
     if s < 1e-12:
         across = cross(a, (0.0, 1.0, 0.0)) if abs(a[1]) < 0.9 else cross(a, (1.0, 0.0, 0.0))
@@ -89,13 +96,13 @@ def shortest_arc(a, b):
 
 @kernel
 def goal_attitude(north_I, east_I, up_I, direction_I):
-    """Goal attitude ``q_I2B``: the local geographic frame turned by the shortest path until its thrust axis
-    is along ``direction_I``.
+    """Return the goal attitude ``q_I2B``: the local geographic frame turned by the shortest path until its
+    thrust axis points along ``direction_I``.
 
-    The geographic frame has x of the paper's c up (B: down), y south.  Source: Hu et al. 2022, eqs. 2 and 3.
-    Figs. 9 and 10 make the paper's z the axis of the angle of attack, y of B; with that, this roll would be
-    90 deg off.  It stands because a lander that came flying south has 90 deg to roll to it, and the real one
-    rolled at 0.5 deg/s for 156 s with 7.7 deg left.
+    In the geographic frame x of the paper's frame c points up (x of B down) and y south. Source: Hu et al.
+    2022, eqs. 2 and 3. Figs. 9 and 10 make the paper's z the axis of the angle of attack, y of B; with that,
+    the roll goal used here would be 90 deg off. It is used because a lander that arrives flying south then
+    has to roll by 90 deg, and the real lander rolled at 0.5 deg/s for 156 s and had 7.7 deg left.
     """
     upright = from_axes(scale(-1.0, up_I), scale(-1.0, north_I), scale(-1.0, east_I))
     return multiply(shortest_arc(up_I, direction_I), upright)
@@ -103,21 +110,23 @@ def goal_attitude(north_I, east_I, up_I, direction_I):
 
 @kernel
 def shortest_path_error(q, goal):
-    """Rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al. 2022, eq. 4."""
+    """Return the rotation vector (rad, B) from the attitude ``q`` to ``goal``. Source: Hu et al.
+    2022, eq. 4.
+    """
     return rotation_vector(multiply(conjugate(q), goal))
 
 
 @kernel
 def decoupled_error(q, goal):
-    """Error of the thrust direction (pitch, yaw) and of roll left once that is removed: roll, pitch, yaw in
-    B, goal minus actual, rad.
+    """Return the errors of roll, pitch and yaw (rad, B; goal minus actual): pitch and yaw are the error of
+    the thrust direction, roll is the error that remains when this is removed.
 
-    The first rotation carries the thrust axis by the shortest path onto the goal's; the second, about the
-    thrust axis, does the rest and is the roll error.  Source: Hu et al. 2022, Fig. 6 and eqs. 5-7.
-    Differences from the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error actual minus goal;
-    here the error is goal minus actual.  Eq. 6 gives 2 sin(phi/2) for the angle phi; the angle itself is
-    used, which agrees below 30 deg to 1.2 %.  Eq. 5 leaves no pitch and yaw error when the thrust points
-    exactly the wrong way; here the vehicle turns about some axis across it.
+    The first rotation turns the thrust axis by the shortest path into that of the goal; the second rotation,
+    about the thrust axis, removes the remaining error and is the roll error. Source: Hu et al. 2022, Fig. 6
+    and eqs. 5-7. Differences from the print: eq. 5 has S_d x S_1 for the axis, the rotation of the error
+    actual minus goal; here the error is goal minus actual. Eq. 6 gives 2 sin(phi/2) for the angle phi; the
+    angle itself is used, which agrees below 30 deg to 1.2 %. Eq. 5 leaves no pitch and yaw error when the
+    thrust points exactly the wrong way; here the vehicle turns about some axis across it.
     """
     thrust_axis = (-1.0, 0.0, 0.0)
     tilt = shortest_arc(thrust_axis, to_frame(q, from_frame(goal, thrust_axis)))

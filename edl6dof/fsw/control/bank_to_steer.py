@@ -1,15 +1,15 @@
 """Bank tracking with rate-damped angle of attack and sideslip: the lift-control phase.
 
-Source: Hu et al. 2022, section 4.  Until the trim wing opens the control is computed in the velocity frame V
+Source: Hu et al. 2022, section 4. Until the trim wing opens the control is computed in the velocity frame V
 (bank about the velocity, angle of attack and sideslip about the axes across it) and mapped to the body by
 C_cv, eq. 1; angular accelerations are mapped, not torques, so that each axis of the body then gets its own
-inertia.  Afterwards it is computed in the body, with a larger derivative gain on the angle of attack, which
-is weakly damped then.
+inertia. Afterwards the control is computed in B, with a larger rate gain on the angle of attack, which is
+then weakly damped.
 
-Angle of attack and sideslip trim themselves: they are rate-damped, and their angle loop closes beyond a limit
-of error.  In a phase that says ``hold_alpha``, as after a trim wing that did not open (section 4.3), the
-angle of attack is closed around its goal at once: the thrusters then hold it against the trim moment of the
-centre-of-mass offset, so that the parachute can open.
+The vehicle trims its angle of attack and sideslip aerodynamically: only their rates are damped, and the angle
+error is fed back only beyond a limit. In a phase with ``hold_alpha``, as after a trim wing that did not open
+(section 4.3), the angle of attack is controlled to its goal: the thrusters hold it against the trim moment of
+the centre-of-mass offset, so that the parachute can open.
 
 Margins of the bank loop with the gains of the Tianwen-1 scenario (``tools/attitude_margins.py``):
 crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
@@ -39,11 +39,11 @@ class BankToSteerParams(Params):
     bank: ZoneParams = group(ZoneParams, "bank channel")
     damping: float = param(0.8, "acceleration per rate of angle of attack and sideslip, 1/s", ge=0.0)
     damping_after_wing: float = param(
-        2.0, "the same of the angle of attack after the trim wing is out, 1/s", ge=0.0
+        2.0, "damping of the angle of attack after the trim wing is out, 1/s", ge=0.0
     )
-    rate_deadband_deg_s: float = param(0.4, "rate of angle of attack or sideslip that is left alone", ge=0.0)
+    rate_deadband_deg_s: float = param(0.4, "rate of angle of attack or sideslip that is not damped", ge=0.0)
     angle_limit_deg: float = param(
-        10.0, "angle error beyond which its loop closes", status="published", source="S1 4.1", gt=0.0
+        10.0, "angle error beyond which it is fed back", status="published", source="S1 4.1", gt=0.0
     )
     angle_gain: float = param(0.5, "acceleration per angle error beyond that limit, 1/s2", ge=0.0)
     held_alpha: ZoneParams = group(
@@ -56,13 +56,17 @@ MEMORY = record(("bank", AXIS), ("alpha", AXIS), ("beta", AXIS))
 
 @kernel
 def damped(p, damping, rate, error):
-    """Acceleration of a self-trimming channel: rate damping, and the angle loop where the error is large."""
+    """Return the angular acceleration (rad/s2) of an aerodynamically trimmed axis: damping of ``rate``
+    (rad/s), and feedback of ``error`` (rad) beyond its limit.
+    """
     return p.angle_gain * beyond(error, p.angle_limit) - damping * beyond(rate, p.rate_deadband)
 
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Demand the torque for bank tracking and damping."""
+    """Return the torque for bank tracking and damping, and the errors of bank, angle of attack and
+    sideslip.
+    """
     p, inertia, wing_out = params, take3(inputs.inertia, 0), inputs.wing_commanded != 0
     frozen = inputs.saturated != 0
     along, across, aside = velocity_axes(nav.alpha, nav.beta)

@@ -13,7 +13,7 @@ class OffParams(Params):
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Demand nothing."""
+    """Demand no torque."""
     return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
 
 

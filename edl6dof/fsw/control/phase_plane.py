@@ -3,14 +3,14 @@
 Source: Hu et al. 2022, section 3; the switching function is the minimum-time parabola of a double integrator
 with a rate lead, widened to a deadband (Bryson, Control of Spacecraft and Aircraft, chapter 7).
 
-Free limit cycle, error e and rate w, deadband d, hysteresis h, lead T, acceleration a: a firing begins at e =
-d - w^2/2a - T w on the transition and ends at e = h d + w^2/2a + T w on the way back, so the cycle has
+Limit cycle without disturbance, with error e, rate w, deadband d, hysteresis h, lead T and acceleration a: a
+firing begins at e = d - w^2/2a - T w on the way out and ends at e = h d + w^2/2a + T w on the way back, so
+that
 
     2 T w + w^2 / a = (1 - h) d,   amplitude d - T w,   period 4 (d - T w) / w + 4 w / a,
 
-as long as one minimum pulse changes the rate by less than 2 w; a coarser pulse q makes the rates before and
-after it add up to q.
-With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
+as long as one minimum pulse changes the rate by less than 2 w; after a larger change q the rates before and
+after the pulse add up to q. With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from edl6dof.spatial.vector import take3
 class PhasePlaneParams(Params):
     """Phase-plane controller with hysteresis switching curves."""
 
-    deadband_deg: float = param(2.0, "angle error that is left alone", gt=0.0, le=5.0)
-    hysteresis: float = param(0.96, "share of the deadband down to which a firing goes on", gt=0.0, lt=1.0)
-    lead_s: float = param(0.5, "time by which the rate leads the switching", gt=0.0)
-    rate_limit_deg_s: float = param(4.0, "rate beyond which the axis coasts", gt=0.0)
+    deadband_deg: float = param(2.0, "angle error within which no torque is demanded", gt=0.0, le=5.0)
+    hysteresis: float = param(0.96, "share of the deadband at which a firing ends", gt=0.0, lt=1.0)
+    lead_s: float = param(0.5, "time by which the switching function predicts the error by the rate", gt=0.0)
+    rate_limit_deg_s: float = param(4.0, "rate towards the goal beyond which no torque is demanded", gt=0.0)
     acceleration_deg_s2: float = param(1.2, "angular acceleration of a firing", gt=0.0)
 
 
@@ -38,7 +38,9 @@ MEMORY = record(("firing", whole(-1, 1), (3,)))
 
 @kernel
 def switch_axis(p, firing, error, rate):
-    """Direction of torque, -1, 0 or +1, for ``error`` (goal minus actual, rad) and ``rate`` (rad/s)."""
+    """Return the direction of torque on an axis, -1, 0 or +1, for ``error`` (goal minus actual, rad) and
+    ``rate`` (rad/s).
+    """
     switching = error - rate * abs(rate) / (2.0 * p.acceleration) - p.lead * rate
     threshold = p.deadband * (p.hysteresis if firing != 0 else 1.0)
     if abs(switching) < threshold:
@@ -51,7 +53,7 @@ def switch_axis(p, firing, error, rate):
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Demand torque on each axis whose switching curve is crossed."""
+    """Return the torque on each axis whose switching curve is crossed, and the attitude error."""
     p = params
     error, rate = wind_attitude_error(nav, goal)
     acceleration = (

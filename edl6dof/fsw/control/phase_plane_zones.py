@@ -1,8 +1,8 @@
 """One axis of attitude control over the four zones of the phase plane.
 
-Far from the goal the rate is driven to a constant; nearer to a parabola that a constant deceleration can
-follow; close by a PID law takes over; and beyond the rate limit the rate is only brought down.  Source: Hu et
-al. 2022, section 4.1 and Fig. 5.
+Far from the goal the rate is controlled to a constant; nearer, to a parabola, which a constant deceleration
+follows; near the goal a PID law controls the angle; beyond the rate limit the rate is only reduced. Source:
+Hu et al. 2022, section 4.1 and Fig. 5.
 """
 
 from __future__ import annotations
@@ -36,10 +36,11 @@ AXIS = record(("integral", "f8"), ("zone", whole(PID, LIMITER)))
 
 @kernel
 def target_rate(zone, error, bandwidth):
-    """Signed rate (rad/s) wanted for an angle ``error`` (goal minus actual, rad) outside the PID zone.
+    """Return the signed rate (rad/s) to follow outside the PID zone, for an angle ``error`` (goal minus
+    actual, rad); ``bandwidth`` as in :func:`axis_acceleration`.
 
-    The parabola starts at the rate with which the PID law would meet the zone boundary, so the command is
-    continuous.
+    At the boundary of the PID zone the parabola has the rate that the PID law has there, so that the command
+    is continuous.
     """
     size = abs(error)
     inner = bandwidth * zone.proportional / max(zone.derivative, 1e-9) * zone.near
@@ -51,7 +52,7 @@ def target_rate(zone, error, bandwidth):
 
 @kernel
 def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
-    """Demanded angular acceleration (rad/s2) of one axis.
+    """Return the demanded angular acceleration (rad/s2) of one axis.
 
     Args:
         zone: ``ZoneParams`` record.
@@ -59,7 +60,8 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
         motion: goal minus actual angle, rad; rate wanted outside the PID zone, rad/s (:func:`target_rate`, or
             this axis' part of a slew about another axis); actual minus goal rate, rad/s.
         dt: control cycle, s.
-        frozen: true if the integral stands still: thrusters fell short, or something else takes its place.
+        frozen: whether the integral is frozen: the thrusters are saturated, or a disturbance estimate
+            replaces it.
         bandwidth: factor on the natural frequency of the PID law; its damping ratio stays.
     """
     error, wanted, rate = motion
@@ -80,6 +82,8 @@ def axis_acceleration(zone, memory, motion, dt, frozen, bandwidth):
 
 @kernel
 def follow(zone, memory, error, rate, dt, frozen):
-    """Demanded acceleration (rad/s2) of an axis that is steered alone, at the bandwidth of its gains."""
+    """Return the demanded acceleration (rad/s2) of an axis that is controlled on its own; ``error`` (rad) and
+    ``rate`` (rad/s) as in :func:`axis_acceleration`.
+    """
     motion = (error, target_rate(zone, error, 1.0), rate)
     return axis_acceleration(zone, memory, motion, dt, frozen, bandwidth=1.0)

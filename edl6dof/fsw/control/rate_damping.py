@@ -1,5 +1,5 @@
-"""Under the parachute: nothing at first, then damping of large pitch and yaw rates and a slow roll to the
-local geographic frame.
+"""Control under the parachute: none at first, then damping of large pitch and yaw rates and a slow roll to
+the local geographic frame.
 
 Source: Hu et al. 2022, section 5.
 
@@ -22,9 +22,9 @@ class RateDampingParams(Params):
     """Rate damping with large deadbands under the parachute."""
 
     rest_s: float = param(
-        13.0, "time after the start of the phase without control", status="published", source="S1", ge=0.0
+        13.0, "time without control after the start of the phase", status="published", source="S1", ge=0.0
     )
-    rate_deadband_deg_s: float = param(4.0, "pitch or yaw rate that is left alone", ge=0.0)
+    rate_deadband_deg_s: float = param(4.0, "pitch or yaw rate that is not damped", ge=0.0)
     damping: float = param(0.8, "acceleration per rate beyond the deadband, 1/s", ge=0.0)
     roll: ZoneParams = group(ZoneParams, "roll channel, to the local geographic frame")
 
@@ -34,7 +34,9 @@ MEMORY = record(("roll", AXIS))
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Demand damping torque in pitch and yaw and the roll torque, after the rest."""
+    """Return the damping torque in pitch and yaw and the roll torque after the time without control, and the
+    roll error.
+    """
     p = params
     error = (nav.roll_to_south, 0.0, 0.0)
     if inputs.phase_time < p.rest:

@@ -1,9 +1,9 @@
 """The family of attitude controllers that a mission phase can name, and the record of inputs that they share.
 
-A member has one kernel, ``control(params, nav, goal, inputs, dt, memory)``: it returns the torque it demands
-(N m, B) and the attitude error it works on (rad), three numbers each.  ``params`` and ``memory`` are its own;
-it reads ``nav``, ``goal`` (the ``GUIDE`` record of guidance) and ``inputs`` (``CONTROL_INPUTS``); ``dt`` is
-the control cycle (s).
+A member has one kernel, ``control(params, nav, goal, inputs, dt, memory)``: it returns the demanded torque (N
+m, B) and the attitude error (rad), three numbers each. ``params`` and ``memory`` belong to the member; it
+reads ``nav``, ``goal`` (the ``GUIDE`` record of guidance) and ``inputs`` (``CONTROL_INPUTS``); ``dt`` is the
+control cycle (s).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ CONTROLLERS = Family(
     (off.MEMBER, phase_plane.MEMBER, bank_to_steer.MEMBER, rate_damping.MEMBER, thrust_vector.MEMBER),
 )
 
-#: Settings of a phase that each controller uses; for those of plugins they are unknown.
+#: Settings of a phase that each controller uses; unknown for controllers from plugins.
 HEEDS = {
     "off": (),
     "phase_plane": (),
@@ -32,21 +32,21 @@ HEEDS = {
 
 if TYPE_CHECKING:
     ControllerName = str
-else:  # which controllers there are, plugins included, is known only when it runs
+else:  # the names, plugins included, are known only at run time
     ControllerName = Literal[CONTROLLERS.names]
 
 #: Inputs of a controller in addition to navigation and the goal of guidance.
 CONTROL_INPUTS = record(
     ("phase_time", "f8"),  # s: since the mission phase began
-    ("bandwidth", "f8"),  # wanted in this phase, over that of the controller's gains
+    ("bandwidth", "f8"),  # bandwidth of the attitude loop in this phase, over the one that the gains give
     ("hold_alpha", FLAG),  # in this phase thrusters hold the angle of attack
     ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
     ("saturated", FLAG),  # the thrusters could not deliver the last demand
     ("wing_commanded", FLAG),  # the trim wing was commanded open
-    # N m, B: estimated; acts on the vehicle, so a controller subtracts it
+    # N m, B: estimated torque on the vehicle, which a controller subtracts
     ("disturbance_torque", "f8", (3,)),
     ("disturbance_pole", "f8"),  # rad/s: convergence speed of that estimate
-    # N m, B: what the valve intervals of the last cycle gave beyond the duties they stand for
+    # N m, B: mean torque of the valve intervals of the last cycle less that of the duties
     ("modulation_torque", "f8", (3,)),
 )
 CONTROL = record(("inputs", CONTROL_INPUTS), ("law", CONTROLLERS.memory))
@@ -59,7 +59,7 @@ attitude_control = CONTROLLERS.role(
 @kernel
 def gather_inputs(vehicle, state, phase, phase_time, disturbance, saturated, excess, inputs):
     """Fill ``inputs`` (``CONTROL_INPUTS``) for a control cycle ``phase_time`` s after the phase began;
-    ``excess``: torque that modulation gave beyond its duties (N m, B).
+    ``excess``: torque of the valve intervals less that of the duties (N m, B).
     """
     inputs.phase_time, inputs.bandwidth, inputs.hold_alpha = phase_time, phase.bandwidth, phase.hold_alpha
     put3(inputs.inertia, 0, take3(vehicle.configuration[state.configuration].inertia, 0))

@@ -1,18 +1,18 @@
-"""Powered descent: thrust axis to the commanded direction, roll to the local geographic frame, each axis in
-its own zones.
+"""Powered descent: thrust axis to the commanded direction, roll to the local geographic frame; each axis has
+its own phase-plane zones.
 
 Two formulations of the attitude error (Hu et al. 2022, section 6.2): along the shortest path to the goal
-attitude (eqs. 2-4), or decoupled (eqs. 5-8), where pitch and yaw see the thrust direction alone, so that a
-roll error does not lead the thrust astray.
-A slew of the thrust axis is one rotation: the zones of pitch and yaw are chosen by each axis' own error, but
-the rate they are driven to is one vector along the rotation (eq. 8; the print has S_1 x S_d with a minus
-sign, which would turn the thrust away; the direction follows from the error).
+attitude (eqs. 2-4), or decoupled (eqs. 5-8), where pitch and yaw control the thrust direction alone, so that
+a roll error does not deflect the thrust. A slew of the thrust axis is one rotation: the zones of pitch and
+yaw follow from the error of each axis, but their target rates are the components of one vector along the
+rotation (eq. 8; the print has S_1 x S_d with a minus sign, which would turn the thrust away; the direction
+follows from the error).
 
-The estimated disturbance torque takes the place of the integral term (eq. 9), and with it what pulse
-modulation gave beyond its duties: eq. 9 takes the *commanded* torque as the vehicle's own, which makes that
-difference part of the disturbance; here the estimator sees the valve intervals, and the difference is
-filtered with the same pole, so that the two add up to the estimate of the paper.  With the pole lambda of the
-estimator the torque per inertia on an error e becomes
+The estimated disturbance torque replaces the integral term (eq. 9), together with the difference between the
+torque of the valve intervals and that of the duties: eq. 9 subtracts the *commanded* torque, so that this
+difference is part of the disturbance; here the estimator subtracts the torque of the valve intervals, and the
+difference is filtered with the same pole, so that the two sum up to the estimate of the paper. With the pole
+lambda of the estimator the torque per inertia on an error e becomes
 
     (P + lambda D) e + lambda P int e dt + (D + lambda) e',
 
@@ -49,10 +49,13 @@ class ThrustVectorParams(Params):
     """Thrust-direction and roll control of the lander."""
 
     error: Literal["decoupled", "shortest_path"] = param(
-        "decoupled", "thrust direction and roll apart, or shortest path", status="published", source="S1 6.2"
+        "decoupled",
+        "thrust direction and roll apart, or shortest path",
+        status="published",
+        source="S1 6.2",
     )
     against_disturbance: Literal["estimator", "integral"] = param(
-        "estimator", "compensation by the estimate or by integral terms", status="published", source="S1 6.2"
+        "estimator", "disturbances compensated by estimate or integral", status="published", source="S1 6.2"
     )
     pitch_yaw: ZoneParams = group(ZoneParams, "pitch and yaw channels")
     roll: ZoneParams = group(ZoneParams, "roll channel")
@@ -60,14 +63,14 @@ class ThrustVectorParams(Params):
 
 MEMORY = record(
     ("axis", AXIS, (3,)),
-    ("modulation_torque", "f8", (3,)),  # N m: what modulation gave beyond its duties, filtered
-    ("compensation", "f8", (3,)),  # N m: what is taken off the demand
+    ("modulation_torque", "f8", (3,)),  # N m, B: torque of valve intervals less that of duties, filtered
+    ("compensation", "f8", (3,)),  # N m, B: torque subtracted from the demand
 )
 
 
 @kernel
 def thrust_direction(nav, goal):
-    """Commanded thrust direction, unit vector in I."""
+    """Return the commanded thrust direction, a unit vector in I."""
     north, east = (
         scale(goal.thrust_direction_N[0], take3(nav.north_I, 0)),
         scale(goal.thrust_direction_N[1], take3(nav.east_I, 0)),
@@ -77,7 +80,9 @@ def thrust_direction(nav, goal):
 
 @kernel
 def slew_rates(p, error, bandwidth):
-    """Rates wanted outside the PID zones: roll by itself, pitch and yaw as one rotation (eq. 8)."""
+    """Return the target rates (rad/s) of roll, pitch and yaw outside the PID zones: roll on its own, pitch
+    and yaw as one rotation (eq. 8).
+    """
     roll = target_rate(p.roll, error[0], bandwidth)
     angle = sqrt(error[1] * error[1] + error[2] * error[2])
     share = target_rate(p.pitch_yaw, angle, bandwidth) / angle if angle > 0.0 else 0.0
@@ -86,9 +91,10 @@ def slew_rates(p, error, bandwidth):
 
 @kernel
 def compensation(inputs, dt, memory):
-    """Torque (N m, B) to take off the demand: the disturbance, and what modulation gives unasked.
+    """Return the torque (N m, B) to subtract from the demand: the estimated disturbance, and the torque of
+    the valve intervals beyond that of the duties.
 
-    In a phase of low bandwidth it is smoothed, so that estimator and filter together lag by 1 / (bandwidth
+    At a bandwidth below 1 the sum is smoothed, so that estimator and filter together lag by 1 / (bandwidth
     lambda).
     """
     pole, bandwidth = inputs.disturbance_pole, inputs.bandwidth
@@ -104,7 +110,7 @@ def compensation(inputs, dt, memory):
 
 @kernel
 def control(params, nav, goal, inputs, dt, memory):
-    """Demand the torque towards the commanded thrust direction and roll."""
+    """Return the torque towards the commanded thrust direction and roll, and the attitude error."""
     p, bandwidth = params, inputs.bandwidth
     q, w = take4(nav.q_I2B), take3(nav.w_B, 0)
     wanted_attitude = goal_attitude(

@@ -1,11 +1,12 @@
 """One control cycle of thruster fault diagnosis: residuals, hypotheses, and isolation.
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
-whose prior is the price of a false alarm; it is required in several cycles in a row. A dead thruster is then
-taken out of the allocation; one that has lost little is named and stays in use. One that stays open is shut
-off by the latch valve of its branch, which costs the others on it
-(:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a meter the latch valve is moved for either fault,
-unless the slow part excludes a leak: a thruster that does not respond may be open as well as closed.
+whose prior is the price of a false alarm; a fault is isolated when the confidence is high in several cycles
+in a row. A dead thruster is then not used any more; a thruster that has lost little thrust is reported and
+stays in use. A thruster that stays open is shut off by the latch valve of its branch, and the other thrusters
+of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the latch valve is
+moved for either fault, unless the slow part of the residual excludes a leak: a thruster that does not respond
+may be stuck open or closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
@@ -62,38 +63,38 @@ class DiagnosisParams(Params):
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
     load_noise: float = param(
-        0.01, "fluctuation of lateral force and pitch-yaw torque (m) over load", status="estimate", ge=0.0
+        0.01, "fluctuation of lateral force and pitch-yaw torque (m), over load", status="estimate", ge=0.0
     )
-    load_noise_roll: float = param(0.001, "the same for roll torque", status="estimate", ge=0.0)
+    load_noise_roll: float = param(0.001, "fluctuation of roll torque, over load", status="estimate", ge=0.0)
     torque_noise_nm: float = param(
-        4.0, "torque residual of a healthy vehicle on an axis", status="estimate", gt=0.0
+        4.0, "torque residual of a healthy vehicle about an axis", status="estimate", gt=0.0
     )
     force_noise_n: float = param(
-        8.0, "lateral force residual of a healthy vehicle on an axis", status="estimate", gt=0.0
+        8.0, "lateral force residual of a healthy vehicle along an axis", status="estimate", gt=0.0
     )
     model_error: float = param(
         0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0
     )
     memory_cycles: float = param(
-        12.0, "cycles of evidence that count, of those in which a thruster was used", gt=1.0
+        12.0, "memory of the evidence, in cycles in which the thruster was used", gt=1.0
     )
     prior: float = param(
         16.0, "log of the odds for a healthy vehicle: the price of a false alarm", gt=0.0, le=100.0
     )
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
-    streak: int = param(2, "cycles in a row with that confidence", ge=1, le=50)
+    streak: int = param(2, "cycles in a row in which the confidence must be reached", ge=1, le=50)
     loss_least: float = param(
         0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
     )
     loss_dead: float = param(
-        0.85, "fraction of thrust lost from which it counts as stuck off", gt=0.0, le=1.0
+        0.85, "fraction of thrust lost from which a thruster counts as stuck off", gt=0.0, le=1.0
     )
-    slow_s: float = param(0.4, "time constant of the mean that is taken for the slow disturbance", gt=0.0)
+    slow_s: float = param(0.4, "time constant of the mean residual, the slow disturbance", gt=0.0)
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     flow: FlowParams = group(FlowParams, "evidence of the flow meters")
 
 
-#: A thruster taken out of use, and why.
+#: A fault that was isolated: thruster, kind of fault, confidence, fraction of thrust lost, flight time (s).
 ISOLATED = record(
     ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
     ("kind", whole(NOTHING, DEGRADED)),
@@ -103,7 +104,7 @@ ISOLATED = record(
 )
 DIAGNOSIS = record(
     ("residual", RESIDUAL),
-    ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque that each branch lacks by its meter
+    ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque missing while a meter reads a loss
     ("hypotheses", HYPOTHESES),
     ("flow", FLOW),
     ("leak", LEAK),
@@ -119,13 +120,13 @@ class DiagnosisSignals(NamedTuple):
 
     Attributes:
         vehicle: believed vehicle (thrusters, branches).
-        instruments: ``INSTRUMENTS`` record (errors of the meters).
+        instruments: ``INSTRUMENTS`` record (errors of the flow meters).
         metered: whether there are flow meters.
-        used: counts of the flow meters, kg, of the end of the measured cycle.
+        used: counts of the flow meters at the end of the measured cycle, kg.
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         activity: ``ACTIVITY`` record: commanded action of the thrusters in the measured cycle.
         load: axial force of air and riser, N.
-        unexplained: rest of force and torque of that cycle (6).
+        unexplained: force and torque of the measured cycle that the commands do not explain (6; N, N m, B).
         t: present time, s.
         dt: control cycle, s.
         healthy: updated, 0 for a thruster out of use.
@@ -150,7 +151,9 @@ WRITES = ("healthy",)
 
 @kernel
 def restart(memory):
-    """Reset evidence and slow disturbance: the vehicle, or the forces on it, have changed."""
+    """Reset the evidence and the slow disturbance, as after a change of the vehicle or of the forces
+    on it.
+    """
     restart_residual(memory.residual)
     for b in range(MAX_BRANCHES):
         restart_residual(memory.missing[b])
@@ -160,7 +163,7 @@ def restart(memory):
 
 @kernel
 def record_fault(vehicle, i, kind, loss, confidence, t, memory):
-    """Record a failed thruster; evaluation of the rest restarts."""
+    """Record the fault of thruster ``i``, and restart the evaluation of the others."""
     if memory.n_isolated < MAX_ISOLATED:
         one = memory.isolated[memory.n_isolated]
         one.thruster, one.kind, one.loss = i, kind, loss
@@ -172,7 +175,7 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little, and take it out of use, unless it has lost little."""
+    """Record a thruster that gives too little thrust, and take it out of use unless its loss is small."""
     record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
     if kind == DEGRADED and loss < params.loss_least:
         memory.flow.known_loss[i] = loss
@@ -182,7 +185,7 @@ def isolate(params, signals, i, kind, loss, confidence, memory):
 
 @kernel
 def isolate_most_probable(params, signals, memory):
-    """Isolate the thruster of the best hypothesis, or all of a branch without flow."""
+    """Isolate the thruster of the best hypothesis, or all thrusters of a branch without flow."""
     best, vehicle = memory.hypotheses, signals.vehicle
     thruster, branch, kind, loss, confidence = (
         best.thruster, best.branch, best.kind, best.loss, best.confidence,
@@ -194,7 +197,7 @@ def isolate_most_probable(params, signals, memory):
 
 @kernel
 def isolate_dead(params, signals, i, loss, memory):
-    """Take a thruster out of use that did not respond when tested alone; confidence: the threshold."""
+    """Isolate a thruster that did not respond when tested alone; its confidence is the threshold."""
     kind = kind_of(params, loss)
     record_fault(signals.vehicle, i, kind, loss, params.confidence, t=signals.t, memory=memory)
     signals.healthy[i] = 0
@@ -202,15 +205,15 @@ def isolate_dead(params, signals, i, loss, memory):
 
 @kernel
 def exclude_meter(b, t, memory):
-    """Exclude the meter of a branch."""
+    """Exclude the flow meter of branch ``b`` as failed at flight time ``t`` (s)."""
     memory.flow.meter_failed[b], memory.flow.failed_at[b] = 1, t
     restart(memory)
 
 
 @kernel
 def continue_leak_isolation(params, signals, memory):
-    """Continue the isolation of a leak, and end it when it has decided: a thruster that was suspected of not
-    responding and does not leak is dead or weak.
+    """Run one step of the isolation of a leak, and evaluate its result. A suspected thruster that does not
+    leak has lost its thrust.
     """
     leak, best, vehicle = memory.leak, memory.hypotheses, signals.vehicle
     found, confidence = step_leak_isolation(params, signals, memory.flow, memory.residual, leak)
@@ -232,7 +235,9 @@ def continue_leak_isolation(params, signals, memory):
 
 @kernel
 def update_streak(params, before, memory):
-    """Count the cycles in a row with the same confident hypothesis."""
+    """Count the cycles in a row with the same confident hypothesis; ``before``: (thruster, kind) of the last
+    cycle.
+    """
     best = memory.hypotheses
     if best.kind != NOTHING and best.confidence >= params.confidence:
         memory.streak = memory.streak + 1 if before == (best.thruster, best.kind) else 1
@@ -242,8 +247,8 @@ def update_streak(params, before, memory):
 
 @kernel
 def may_leak(params, signals, residual, best):
-    """Test whether the suspected thruster, without a meter, may be open: its effect is in the slow part, or
-    air and riser may have absorbed it.
+    """Return whether the suspected thruster, of a branch without a meter, may be stuck open: its effect is in
+    the slow part, or air and riser may have hidden it.
     """
     b, weight = signals.effectiveness[best.thruster], weights(params, residual.slow, 0.0)
     held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
@@ -252,7 +257,9 @@ def may_leak(params, signals, residual, best):
 
 @kernel
 def filter_missing_wrench(params, signals, memory):
-    """Filter, as the residual, the force and torque that each branch lacks while its meter reads a loss."""
+    """Compute the force and torque that the branches lack while their meters read a loss, and filter them as
+    the residual is filtered.
+    """
     vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     for b in range(vehicle.branches.count):
         missing = memory.missing[b]

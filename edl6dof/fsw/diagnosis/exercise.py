@@ -1,12 +1,12 @@
-"""Opposed test pulses: a thruster and its opposite number fire together for their shortest pulse, so that
-nothing turns or moves sideways unless one of them fails.
+"""Opposed test pulses: a thruster and the opposite thruster fire together for their shortest pulse, so that
+the vehicle neither turns nor moves sideways unless one of them fails.
 
-A thruster that is not used cannot be known to work.  Each one is tested once in every phase and again after a
-long rest.  In hazard avoidance, where a fault is to be known within a second, whichever thruster it is,
-and guidance uses only some of them at a time, each horizontal pair that has rested for a while is tested in
-turn.  If something is missing, each of the two is tried alone at once, and
-one of the same branch is fired to see whether the meter works; where the loss may be the
-propellant's, others are tested.  A test of two 250 N thrusters costs 8 g of propellant.
+A thruster that is not used cannot be known to work. Each thruster is tested once in every phase and again
+after a long rest. In hazard avoidance a fault of any thruster has to be found within a second, while guidance
+uses only some of them at a time: each horizontal pair that has rested for a while is tested in turn. If
+thrust is missing, each thruster of the pair is at once tested alone, and another one of the same branch is
+fired to check the flow meter; where the propellant may be the cause of the loss, thrusters of other branches
+are tested. A test of two 250 N thrusters costs 8 g of propellant.
 
 Source: none; Hu et al. 2022 wait for the thruster to be used.
 """
@@ -23,13 +23,13 @@ from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 
-#: Share of the measured axial force that a test may add to it.
+#: Largest axial force of a test, over the measured axial force.
 AXIAL_SHARE = 0.2
-#: Control cycles after a pulse by whose end its flow has been measured.
+#: Control cycles after the end of a pulse until its flow has been measured.
 ANSWER = 3
-#: Cycles of use alone that show a loss after which a thruster that is still in doubt is tried less often.
+#: Cycles of firing alone with a loss after which a thruster that is still in doubt is tested less often.
 MOST_TRIALS = 24
-#: Time from one such trial to the next, s.
+#: Time from one test of such a thruster to the next, s.
 TRIED_AGAIN = 3.0
 
 
@@ -38,32 +38,33 @@ class ExerciseParams(Params):
 
     enabled: bool = param(True, "whether resting thrusters are tested")
     every_s: float = param(
-        60.0, "time without use after which a thruster is tested; all are once in a phase", gt=0.0
+        60.0, "time without use after which a thruster is tested; each is tested once in a phase", gt=0.0
     )
     settled_s: float = param(
-        13.5, "time after the start of a phase before the first test: a parachute opens alone", ge=0.0
+        13.5, "time from the start of a phase to the first test: none while a parachute opens", ge=0.0
     )
     pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
-    rest_s: float = param(0.7, "instead of every_s for a horizontal pair while flying sideways", gt=0.0)
-    spacing_s: float = param(0.04, "instead of pause_s while flying sideways", gt=0.0)
+    rest_s: float = param(0.7, "replaces every_s for a horizontal pair while flying sideways", gt=0.0)
+    spacing_s: float = param(0.04, "replaces pause_s while flying sideways", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 
+#: ``used``: flight time of the last use of each thruster; ``tested``: of the last test (s).
 EXERCISE = record(("used", "f8", (MAX_THRUSTERS,)), ("tested", "f8"))
 
 
 class ExerciseSignals(NamedTuple):
-    """Signals that the exercise takes in a control cycle.
+    """Signals that the test pulses need in a control cycle.
 
     Attributes:
         vehicle: believed vehicle (thrusters: group, minimum pulse).
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
-        healthy: whether each may be used.
-        diagnosis: ``DIAGNOSIS`` record: the present state of diagnosis.
+        healthy: whether each thruster may be used.
+        diagnosis: ``DIAGNOSIS`` record: present state of the diagnosis.
         valves: ``MODULATION`` record: the valve intervals of this control cycle.
         sideways: whether the vehicle flies sideways.
-        axial: measured axial force, N: it is taken for drag or thrust, so what adds to it must be small.
-        start: when the phase began, s.
+        axial: measured axial force, N: drag and thrust are derived from it, so a test may add little.
+        start: flight time at which the phase began, s.
         t: present time, s.
         dt: control cycle, s.
     """
@@ -80,13 +81,13 @@ class ExerciseSignals(NamedTuple):
     dt: Any
 
 
-#: The signals that the exercise writes.
+#: The signals that the test pulses write.
 WRITES = ()
 
 
 @kernel
 def opposite(effectiveness, count, i):
-    """Thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
+    """Return the thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
     own = 0.0
     for row in range(1, 6):
         own += effectiveness[i, row] * effectiveness[i, row]
@@ -101,7 +102,7 @@ def opposite(effectiveness, count, i):
 
 @kernel
 def is_free(i, signals):
-    """Test whether a thruster is in use, and closed during this cycle."""
+    """Return whether thruster ``i`` is in use, and its valve closed during this cycle."""
     if i == NONE or signals.healthy[i] == 0:
         return False
     valves = signals.valves
@@ -110,14 +111,14 @@ def is_free(i, signals):
 
 @kernel
 def is_measured(i, signals, memory):
-    """Test whether the last use of thruster ``i`` has been measured."""
+    """Return whether the effect of the last use of thruster ``i`` has been measured."""
     t, dt = signals.t, signals.dt
     return t >= max(signals.valves.busy_until[i], memory.used[i] + dt) + ANSWER * dt - 1e-9
 
 
 @kernel
 def branch_is_measured(b, signals, memory):
-    """Test whether the last use of branch ``b`` has been measured."""
+    """Return whether the last use of every thruster of branch ``b`` has been measured."""
     of = signals.vehicle.branches.of
     for i in range(signals.vehicle.n_thrusters):
         if of[i] == b and not is_measured(i, signals, memory):
@@ -127,7 +128,9 @@ def branch_is_measured(b, signals, memory):
 
 @kernel
 def retest(params, signals, memory):
-    """Longest rested thruster to test alone; or the suspect with its opposite; or twice ``NONE``."""
+    """Return the thruster to test alone, of several the one longest without use, and ``NONE``; or the
+    suspected thruster and its opposite; or twice ``NONE``.
+    """
     vehicle, diagnosis, t = signals.vehicle, signals.diagnosis, signals.t
     rested, oldest = NONE, t
     for i in range(vehicle.n_thrusters):
@@ -162,7 +165,9 @@ def retest(params, signals, memory):
 
 @kernel
 def longest_rested(params, signals, waiting, memory):
-    """The pair that is due and has rested longest, or twice ``NONE``."""
+    """Return the pair that is due for a test and has rested longest, or twice ``NONE``; ``waiting``: as of
+    :func:`.flow_evidence.is_waiting`.
+    """
     vehicle, effectiveness, t = signals.vehicle, signals.effectiveness, signals.t
     first, second, oldest = NONE, NONE, t
     for i in range(vehicle.n_thrusters):
@@ -181,8 +186,8 @@ def longest_rested(params, signals, waiting, memory):
 
 @kernel
 def pair_to_test(params, signals, memory):
-    """Choose the two thrusters to fire against each other from this control cycle on, the second ``NONE`` for
-    a single one; (``NONE``, ``NONE``) for no test.  ``signals``: ``ExerciseSignals``; ``memory``:
+    """Choose the two thrusters to fire against each other from this control cycle on; the second is ``NONE``
+    for a single thruster, both are ``NONE`` for no test. ``signals``: ``ExerciseSignals``; ``memory``:
     ``EXERCISE``.
     """
     if params.enabled == 0:

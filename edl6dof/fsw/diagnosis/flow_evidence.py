@@ -1,28 +1,28 @@
 """Evidence of the flow meters of the propellant branches for faults of each thruster.
 
-A thruster i that was to fire for the share e of a cycle lets the flow e f_i through its branch. The reading
-of a meter less the expected flow of the branch is
+A thruster i with the full flow f_i that was commanded to fire for the share e of a cycle causes the flow e
+f_i in its branch. The reading of a meter less the expected flow of the branch is
 
-    - L e f_i         it lets the fraction L less through than it should (L = 1: stuck off)
-    + (1 - e) f_i     its valve stays open
+    - L e f_i if it loses the fraction L of its flow (L = 1: stuck off) + (1 - e) f_i if its valve stays open
 
-whatever air, riser and engine do to the vehicle, and for as long as the fault lasts. The errors of a meter
-are known, so the evidence is the plain log likelihood ratio against "healthy": a running sum that never falls
+whatever forces air, riser and engine exert, and for as long as the fault lasts. The errors of a meter are
+known, so the evidence is the plain log likelihood ratio against "healthy": a running sum that never falls
 below zero for a valve that stays open (Page's test), a regression over the last cycles of use for a loss. A
-cycle with another loss than those before it restarts the regression: the fault is younger than they are. Flow
-missing while several thrusters of a branch fire makes each of them doubtful; each is then tested alone.
+cycle with another loss than those before it restarts the regression: the fault is younger than they are. If
+flow is missing while several thrusters of a branch fire, each of them is doubtful and is then tested alone.
 
-A loss that all branches show is the propellant's and no thruster's: only the excess over it counts. So before
-a thruster is called degraded, other branches have to be seen in use since the first sign of it; one without
-flow is dead, whatever the others do.
+A loss that all branches show has its cause in the propellant: only the excess over this common loss counts
+for a thruster. So before a thruster is called degraded, other branches have to be seen in use since the first
+sign of its loss; a thruster without flow is dead, whatever the other branches show.
 
-A meter that has failed shows a loss in every thruster of its branch, so the others are fired too. Only its
-readings of them count, after the loss has shown in two cycles: the flow of the cycle in which a meter or a
-thruster fails is a fraction of the expected one, and a reading that stands still is the flow of whichever
-fires. A meter that reads their flow works; if they show the same loss, the meter or the latch valve has
-failed. The thrusters of the branch are then tested alone until force and torque distinguish the two, and stay
-in use until then. No valve makes a meter read a negative flow, or at rest less than an open valve lets
-through: a meter that does has failed, and while it is suspected, its readings give no loss.
+A meter that has failed shows a loss for every thruster of its branch, so the other thrusters of the branch
+are fired too. Only readings with their flow decide, and only after the loss has shown in two cycles: in the
+cycle in which a meter or a thruster fails, the flow is a fraction of the expected one, and a frozen reading
+may equal the flow of any thruster. A meter that reads the flow of the others works; if they show the same
+loss, the meter or the latch valve has failed. The thrusters of the branch are then tested alone until force
+and torque distinguish these two, and stay in use until then. No valve causes a negative reading, or a flow at
+rest that is smaller than that of an open valve: a meter with such readings has failed, and while it is
+suspected, its readings are no evidence of a loss.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -38,25 +38,25 @@ from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
 
-LEAST_USE = 0.1  # share of a cycle from which a prediction counts
-LARGEST = 200.0  # evidence beyond which nothing changes any more
-MOST_A_CYCLE = 10.0  # evidence for a valve that stays open: one reading alone is not enough
-STEADY = 0.15  # losses of two cycles that differ by less are one loss, if their noise allows
-POOLED = 0.9  # what a cycle of use leaves of those before it in the loss of a branch
-ALONE = 0.1  # flow of others in the branch, over its own, up to which a loss is a thruster's own
-DOUBT = 4.0  # standard deviations of a meter from which something is missing
-LEAST_CYCLES = 2  # of use before a loss is confirmed: the fault may have begun within the first
-SURE = 900.0  # inverse variance of the loss of a branch from which it counts: good for 3 %
-LEAST_BRANCHES = 3  # branches that must show a loss before it is the propellant's
-METER_ERROR = 6.0  # standard deviations of a meter from which it reads a flow that cannot be
-LEAST_OPEN = 0.5  # of the flow of the smallest thruster of a branch, which an open valve lets through
-MOST_UNEXPLAINED = 3  # cycles of rest in a row with less than that, after which the meter has failed
+LEAST_USE = 0.1  # share of a cycle from which a commanded pulse, or a closed valve, gives evidence
+LARGEST = 200.0  # upper limit of evidence
+MOST_A_CYCLE = 10.0  # most evidence for an open valve in a cycle: one reading alone is not enough
+STEADY = 0.15  # losses of two cycles that differ by less count as the same loss
+POOLED = 0.9  # factor on the earlier cycles in the loss of a branch, at each cycle of use
+ALONE = 0.1  # flow of the others in the branch, over its own, up to which a thruster fires alone
+DOUBT = 4.0  # standard deviations of a meter from which flow is missing
+LEAST_CYCLES = 2  # cycles of use before a loss is confirmed: the fault may begin within the first
+SURE = 900.0  # inverse variance of the loss of a branch from which it counts: sigma of 3 %
+LEAST_BRANCHES = 3  # branches that must show a loss before it is attributed to the propellant
+METER_ERROR = 6.0  # standard deviations of a meter from which a reading is no error of a zero flow
+LEAST_OPEN = 0.5  # least flow of an open valve, over that of the smallest thruster of the branch
+MOST_UNEXPLAINED = 3  # cycles of rest in a row with a smaller flow: the meter has failed
 NONE = -1
-#: Reading of a meter of the other thrusters of a branch in which one shows a loss: not known yet; their flow;
-#: the same loss.
+#: Check of a meter by the other thrusters of a branch in which one shows a loss: open; the meter reads their
+#: flow; it shows the same loss for them.
 UNCHECKED, CONFIRMED, CONTRADICTED = range(3)
-LEAST_CHECK_FLOW = 0.15  # flow of the others, over the full flow of the branch, from which that is known
-SHARED = 0.6  # of its loss, from which the others show the same loss
+LEAST_CHECK_FLOW = 0.15  # flow of the others, over the full flow of the branch, from which the check decides
+SHARED = 0.6  # loss of the others, over that of the thruster, from which it is the same
 
 
 class FlowParams(Params):
@@ -64,75 +64,75 @@ class FlowParams(Params):
 
     model_error: float = param(
         0.03,
-        "relative error of believed flow in a cycle, with valve times",
+        "relative error of the believed flow in a cycle, that of the valve times included",
         status="estimate",
         ge=0.0,
         le=1.0,
     )
     loss_least: float = param(
-        0.12, "fraction of flow lost from which a thruster is named", status="estimate", gt=0.0, le=1.0
+        0.12, "fraction of flow lost from which a thruster is reported", status="estimate", gt=0.0, le=1.0
     )
     common_least: float = param(
-        0.03, "loss in all branches from which it is the propellant's", status="estimate", gt=0.0, le=1.0
+        0.03, "loss in all branches from which the propellant is the cause", status="estimate", gt=0.0, le=1.0
     )
 
 
-#: Sums over cycles: residual times prediction and prediction squared, weighted; number of cycles.
+#: Weighted sums over cycles: residual times prediction, prediction squared; number of cycles.
 LOSS = record(("cross", "f8"), ("own", "f8"), ("cycles", COUNT))
 
 FLOW = record(
-    ("used", "f8", (MAX_BRANCHES,)),  # kg: the last counts
+    ("used", "f8", (MAX_BRANCHES,)),  # kg: last counts of the meters
     ("started", FLAG),
-    ("expected", "f8", (MAX_BRANCHES,)),  # kg/s, mean of the last cycle
-    ("residual", "f8", (MAX_BRANCHES,)),  # kg/s, read less expected
-    ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2
+    ("expected", "f8", (MAX_BRANCHES,)),  # kg/s: mean flow by the commands in the last cycle
+    ("residual", "f8", (MAX_BRANCHES,)),  # kg/s: flow read less expected
+    ("weight", "f8", (MAX_BRANCHES,)),  # 1/(kg/s)2: inverse variance of the residual
     ("unexplained_rest", COUNT, (MAX_BRANCHES,)),  # cycles of rest in a row with an impossible flow
-    ("pool", LOSS, (MAX_BRANCHES,)),  # loss of each branch, since the first sign of a loss if there is one
-    ("seen", COUNT),  # branches in use since then
-    ("suspecting", FLAG),  # whether there is one
-    ("common", "f8"),  # loss of all branches
-    ("known_loss", "f8", (MAX_THRUSTERS,)),  # of thrusters that are used with it
+    ("pool", LOSS, (MAX_BRANCHES,)),  # loss of each branch, while suspecting since the first sign
+    ("seen", COUNT),  # branches whose loss is known well enough
+    ("suspecting", FLAG),  # a thruster shows a loss
+    ("common", "f8"),  # fraction of flow that all branches lack
+    ("known_loss", "f8", (MAX_THRUSTERS,)),  # fraction lost by degraded thrusters that stay in use
     ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
-    # reading of the others since a thruster of its branch shows a loss
+    # check of each meter by the other thrusters
     ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
-    ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for that
+    ("test_requested", FLAG, (MAX_THRUSTERS,)),  # whether each is to fire for the check
     ("meter_failed", FLAG, (MAX_BRANCHES,)),
-    ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time: when that was found
-    ("off", LOSS, (MAX_THRUSTERS,)),
+    ("failed_at", "f8", (MAX_BRANCHES,)),  # s, flight time at which the failure was found
+    ("off", LOSS, (MAX_THRUSTERS,)),  # loss of each thruster, from cycles in which it fired alone
     ("on", "f8", (MAX_THRUSTERS,)),  # evidence for a valve that stays open
-    # whether something was missing while others of its branch fired, or its meter may have failed
+    # flow was missing while others of its branch fired too, or its meter may have failed
     ("doubtful", FLAG, (MAX_THRUSTERS,)),
 )
 
 
 @kernel
 def full_flow(thruster):
-    """Propellant flow at full thrust, kg/s."""
+    """Return the propellant flow of a thruster at full thrust, kg/s."""
     return thruster.thrust / (thruster.specific_impulse * G0)
 
 
 @kernel
 def is_read(metered, b, memory):
-    """Test whether branch ``b`` has a meter that is trusted."""
+    """Return whether branch ``b`` has a flow meter that has not failed."""
     return metered and memory.meter_failed[b] == 0
 
 
 @kernel
 def forget_loss(loss):
-    """Reset a loss."""
+    """Reset the sums of a ``LOSS`` record."""
     loss.cross = loss.own = 0.0
     loss.cycles = 0
 
 
 @kernel
 def read_meters(params, instruments, vehicle, used, share, dt, memory):
-    """Compute residual and weight of each branch for the measured cycle; returns whether there was one before
-    it.
+    """Compute residual and weight of each branch for the measured cycle. Returns whether there was an earlier
+    reading, without which they are not valid.
 
     Args:
         params: flow record.
         instruments, vehicle: errors of the meters; believed thrusters and branches.
-        used: counts of the meters, kg, of the end of the measured cycle.
+        used: counts of the meters at the end of the measured cycle, kg.
         share: share of that cycle in which each thruster should have given thrust.
         dt: control cycle, s.
         memory: ``FLOW`` record, updated.
@@ -160,7 +160,9 @@ def read_meters(params, instruments, vehicle, used, share, dt, memory):
 
 @kernel
 def monitor_rest(vehicle, memory):
-    """Count for each meter the cycles of rest in a row with a flow less than an open valve lets through."""
+    """Count for each meter the cycles of rest in a row with an impossible flow, one smaller than that of an
+    open valve.
+    """
     for b in range(vehicle.branches.count):
         if memory.expected[b] > 0.0:
             continue
@@ -171,7 +173,7 @@ def monitor_rest(vehicle, memory):
 
 @kernel
 def least_flow(vehicle, b):
-    """Flow of the smallest thruster of branch ``b``, kg/s."""
+    """Return the flow of the smallest thruster of branch ``b``, kg/s."""
     least = vehicle.branches.full_flow[b]
     for i in range(vehicle.n_thrusters):
         if vehicle.branches.of[i] == b:
@@ -181,7 +183,7 @@ def least_flow(vehicle, b):
 
 @kernel
 def impossible_meter(metered, branches, memory):
-    """First branch whose trusted meter reads a flow that no valve explains, or ``NONE``."""
+    """Return the first branch whose trusted meter reads a flow that no valve explains, or ``NONE``."""
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
         backwards = flow < 0.0 and is_impossible(b, flow, memory)
@@ -192,13 +194,13 @@ def impossible_meter(metered, branches, memory):
 
 @kernel
 def is_impossible(b, flow, memory):
-    """Test whether ``flow`` (kg/s) exceeds any error of the meter of branch ``b`` at zero flow."""
+    """Return whether ``flow`` (kg/s) exceeds the largest error of the meter of branch ``b`` at zero flow."""
     return flow * flow * memory.weight[b] > METER_ERROR * METER_ERROR
 
 
 @kernel
 def find_common_loss(params, branches, memory):
-    """Find the loss that all branches in use share."""
+    """Update the losses of the branches, and compute the loss that all branches in use share."""
     memory.seen, least = 0, 1.0
     for b in range(branches.count):
         pool, expected = memory.pool[b], memory.expected[b]
@@ -215,7 +217,7 @@ def find_common_loss(params, branches, memory):
 
 @kernel
 def restart_pools(count, branches, memory):
-    """Restart the losses of the branches at the first sign of a loss."""
+    """Reset the losses of the branches at the first sign of a loss of a thruster."""
     signs = 0
     for i in range(count):
         signs += memory.off[i].cycles
@@ -228,7 +230,9 @@ def restart_pools(count, branches, memory):
 
 @kernel
 def cross_check(params, vehicle, share, memory):
-    """Record how meters read the other thrusters once one shows a loss; request their firing until then."""
+    """Check the meter of each branch in which a thruster shows a loss by the flow of its other thrusters;
+    request their firing until the check has decided.
+    """
     of, count = vehicle.branches.of, vehicle.n_thrusters
     for i in range(count):
         memory.test_requested[i] = 0
@@ -263,19 +267,23 @@ def cross_check(params, vehicle, share, memory):
 
 @kernel
 def is_waiting(branches, memory):
-    """Test whether a loss is suspected and too few branches have been in use to attribute it."""
+    """Return whether a loss is suspected and too few branches have been in use to attribute it."""
     return memory.suspecting != 0 and memory.seen < min(LEAST_BRANCHES, branches.count)
 
 
 @kernel
 def fires_alone(expected, given):
-    """Test whether nearly all of the ``expected`` flow of a branch is the ``given`` flow of one thruster."""
+    """Return whether nearly all of the ``expected`` flow of a branch is the ``given`` flow of one thruster
+    (kg/s).
+    """
     return expected - given < ALONE * given
 
 
 @kernel
 def add_loss_cycle(params, residual, prediction, weight, keep, common, loss):
-    """Add to its loss a cycle in which a healthy thruster would let ``-prediction`` (kg/s) through."""
+    """Add a cycle to the sums of ``loss``; ``residual`` and ``prediction``, the residual of a dead thruster:
+    kg/s; ``weight``: inverse variance; ``keep``: factor on the sums so far; ``common``: loss of all branches.
+    """
     cross, own = residual * prediction * weight, prediction * prediction * weight
     now = cross / own
     before = loss.cross / loss.own if loss.cycles > 0 else now
@@ -295,7 +303,7 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
 
     Args:
         params: flow record.
-        keep: factor on the evidence of the cycles before.
+        keep: factor on the evidence so far.
         vehicle: believed thrusters and branches.
         share: share of the measured cycle in which each thruster should have given thrust.
         closed: flags of the branches whose latch valve is closed.
@@ -329,8 +337,8 @@ def update_flow_evidence(params, keep, vehicle, share, closed, memory):
 
 @kernel
 def forget_branch(vehicle, named, memory):
-    """Reset the flow evidence of a branch: it was about the thruster now ``named``. A loss that another
-    showed when it fired alone is its own.
+    """Reset the flow evidence of the branch of thruster ``named``, which explains it. The loss that another
+    thruster showed when it fired alone is kept.
     """
     b = vehicle.branches.of[named]
     memory.meter_check[b] = UNCHECKED
@@ -343,13 +351,15 @@ def forget_branch(vehicle, named, memory):
 
 @kernel
 def needs_trial(i, memory):
-    """Test whether thruster ``i`` has to be tested alone before a loss can be confirmed or refuted."""
+    """Return whether thruster ``i`` has to be tested alone before a loss can be confirmed or refuted."""
     return memory.doubtful[i] != 0 or 0 < memory.off[i].cycles < LEAST_CYCLES
 
 
 @kernel
 def confirmed_loss(params, common, loss):
-    """Loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too small."""
+    """Return the loss beyond the ``common`` one and the evidence for it; zeros if unconfirmed or too
+    small.
+    """
     if loss.cycles < LEAST_CYCLES:
         return 0.0, 0.0
     beyond = min(loss.cross / loss.own, 1.0) - common

@@ -1,23 +1,23 @@
 """Hypotheses about single thrusters and the evidence for each, from force and torque and from the flow.
 
-A thruster i of effectiveness b_i (force and torque at full thrust) that was to fire for the share e of a
-cycle leaves the residual
+A thruster i of effectiveness b_i (force and torque at full thrust) that was commanded to fire for the share e
+of a cycle causes the residual
 
-    off    - L e b_i        it gives the fraction L less than it should (L = 1: stuck off)
-    on     + (1 - e) b_i    its valve stays open
+    off - L e b_i if it loses the fraction L of its thrust (L = 1: stuck off) on + (1 - e) b_i if its valve
+    stays open
 
-The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with S
-the weighted sum of squares of the residual and S' what the hypothesis leaves of it over n cycles, n (m / 2)
-ln((S + S0) / (S' + S0)).  m counts 2 of the 5 components because they are not independent; S0 is the sum that
-the flight computer's own models are good for.  A disturbance however large that does not look like a thruster
-leaves S' near S and proves nothing: the air in lift control and the riser under the parachute set their own
-noise level.  Only cycles in which a hypothesis predicts something count for it, and it starts afresh whenever
-the evidence speaks against it, so the time of the fault need not be known (Page's test).
+The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with the
+weighted sum of squares S of the residual over n cycles, and S' of the residual less the prediction of the
+hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
+independent; S0 is the sum that the errors of the onboard models explain. A disturbance unlike a thruster,
+however large, leaves S' near S and is no evidence: the air in lift control and the riser under the parachute
+only raise the noise level. Only cycles in which a hypothesis predicts a residual count for it, and its sums
+are reset whenever the evidence contradicts it, so the time of the fault need not be known (Page's test).
 
-Where a meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force and
-torque.  The loss of flow then has several explanations, which compete by their posterior odds.  Each fault
-that one needs costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the flow,
-they are, without the P that all share,
+Where a flow meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force
+and torque. The loss of flow then has several explanations, which compete by their posterior odds. Each fault
+in an explanation costs the log prior odds P (``prior``) of a healthy vehicle; with F the evidence of the
+flow, the log odds are, without one P that all explanations have in common,
 
     the thruster, or its meter     the flow of the others is not known     F + f_i        F
     the thruster, or its meter     the meter reads the flow of the others  F + f_i        F - P
@@ -25,17 +25,17 @@ they are, without the P that all share,
     the thruster, another as well  the others show the same loss           F + f_i - P
 
 f_i is the evidence of force and torque for a loss of thruster i, f_b for none of the branch giving thrust.
-One failed meter, or one latch valve that is shut, is thus more likely by P than two failed thrusters, and
-between thruster or branch and meter force and torque decide.  f_b is formed from the residual and the force
+One failed meter, or one latch valve stuck shut, is thus more likely by P than two failed thrusters; between a
+meter and a thruster or branch, force and torque decide. f_b is computed from the residual and from the force
 and torque that the branch lacks since its meter reads a loss, both without their slow part.
 
-Evidence of force and torque for a loss without a loss of flow means a failed catalyst: it needs twice the
-prior.
+Evidence of force and torque for a loss without a loss of flow means a failed catalyst; it is reduced by P /
+2.
 
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
 test from Basseville & Nikiforov 1993, sections 2.2 and 4.3; posterior odds: Bayes' theorem for faults that
-occur independently of each other, all with the same prior.  Left out: two thrusters that fail in the same
-cycles and whose force and torque are one another's.
+occur independently of each other, all with the same prior. Left out: two thrusters that fail in the same
+cycles and have the same force and torque.
 """
 
 from __future__ import annotations
@@ -60,35 +60,38 @@ from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
-LEAST_SEEN = 1.0  # variances of the noise from which the square of what a branch lacks counts
+LEAST_SEEN = 1.0  # weighted square of the wrench that a branch lacks from which a cycle counts
 
 #: No kind of fault.
 NOTHING = 0
 
-#: Sums over the cycles that count: residual times signature, signature squared, residual squared, number of
-#: cycles.
+#: Weighted sums over the cycles that count: residual times prediction, prediction squared, residual squared;
+#: number of cycles.
 SUMS = record(("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8"))
 
 HYPOTHESES = record(
     ("off", SUMS, (MAX_THRUSTERS,)),
     ("on", SUMS, (MAX_THRUSTERS,)),
     ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
-    # the best one of the last cycle
+    # the most probable hypothesis of the last cycle
     ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # whose thrusters all fail so, NONE for one thruster
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # branch whose thrusters have all failed; NONE: one thruster
     ("kind", whole(NOTHING, DEGRADED)),
     ("loss", "f8"),
     ("evidence", "f8"),
     ("confidence", "f8"),
     ("against", "f8", (MAX_BRANCHES,)),  # evidence that each meter has failed
     ("lost", "f8", (MAX_BRANCHES,)),  # evidence that nothing flows through each branch
-    ("meter", whole(NONE, MAX_BRANCHES - 1)),  # the one that surely has, NONE for none
+    ("meter", whole(NONE, MAX_BRANCHES - 1)),  # meter that has failed with confidence; NONE: none
 )
 
 
 @kernel
 def collect(sums, keep, signature, along, square, every):
-    """Add a cycle to the sums of a hypothesis whose residual is ``signature`` times the effectiveness."""
+    """Add a cycle to the sums of a hypothesis that predicts the residual ``signature`` times the
+    effectiveness; ``along``, ``square`` and ``every``: weighted products residual times effectiveness,
+    effectiveness squared and residual squared; ``keep``: factor on the sums so far.
+    """
     sums.cross = keep * sums.cross + signature * along
     sums.own = keep * sums.own + signature * signature * square
     sums.all = keep * sums.all + every
@@ -97,7 +100,7 @@ def collect(sums, keep, signature, along, square, every):
 
 @kernel
 def forget(sums):
-    """Reset a hypothesis."""
+    """Reset the sums of a hypothesis."""
     sums.cross = sums.own = sums.all = sums.cycles = 0.0
 
 
@@ -115,7 +118,9 @@ def forget_all(memory):
 
 @kernel
 def evidence(sums, size):
-    """Log likelihood ratio of a hypothesis with amplitude ``size`` against no fault."""
+    """Return the log likelihood ratio of a hypothesis with amplitude ``size`` (fraction of thrust lost; 1 for
+    an open valve) against no fault.
+    """
     floor = COMPONENTS * sums.cycles
     left = max(sums.all - 2.0 * size * sums.cross + size * size * sums.own, 0.0)
     return min(0.5 * COMPONENTS * sums.cycles * log((sums.all + floor) / (left + floor)), LARGEST)
@@ -123,7 +128,9 @@ def evidence(sums, size):
 
 @kernel
 def may_reach(least, sums, size):
-    """Test whether :func:`evidence` may reach ``least``: ln x <= x - 1 rejects most without a logarithm."""
+    """Return whether :func:`evidence` may reach ``least``; the bound ln x <= x - 1 excludes most hypotheses
+    without a logarithm.
+    """
     floor = COMPONENTS * sums.cycles
     explained = size * (2.0 * sums.cross - size * sums.own)
     left = max(sums.all - explained, 0.0)
@@ -132,13 +139,14 @@ def may_reach(least, sums, size):
 
 @kernel
 def weights(params, wrench, load):
-    """Weights of a squared residual of lateral force, roll and pitch-yaw torque (1/N2, 1/(N m)2, 1/(N m)2).
+    """Return the weights of a squared residual: of lateral force (1/N2), roll torque and pitch-yaw torque
+    (1/(N m)2).
 
     Args:
         params: diagnosis record.
-        wrench: force and torque that the thrusters should give (6): the models are good for a fraction of it.
-        load: axial force of air and riser, N: what they do across it changes by a fraction of it, and hardly
-            turns about the axis.
+        wrench: commanded force and torque of the thrusters (6; N, N m), of which a fraction is model error.
+        load: axial force of air and riser, N; their lateral force and torque fluctuate by a fraction of it,
+            the roll torque by much less.
     """
     own = params.model_error * params.model_error
     force = own * (wrench[1] * wrench[1] + wrench[2] * wrench[2])
@@ -155,14 +163,16 @@ def weights(params, wrench, load):
 
 @kernel
 def update_evidence(params, signals, residual, missing, flow, memory):
-    """Add one cycle to the evidence of every hypothesis with a prediction; where there are meters, to that of
-    a loss only if the thruster fires alone in its branch, so that both use the same cycles.
+    """Add one cycle to the evidence of every hypothesis with a prediction. Where there are meters, a loss
+    counts only while the thruster fires alone in its branch, so that force, torque and flow use the same
+    cycles.
 
     Args:
         params: diagnosis record.
         signals: ``DiagnosisSignals``.
         residual: ``RESIDUAL`` record: unexplained force and torque.
-        missing: one for each branch: what its thrusters should have given since its meter shows a loss.
+        missing: ``RESIDUAL`` record of each branch: force and torque that it lacks while its meter reads a
+            loss.
         flow: ``FLOW`` record.
         memory: ``HYPOTHESES`` record, updated.
     """
@@ -191,9 +201,10 @@ def update_evidence(params, signals, residual, missing, flow, memory):
 
 @kernel
 def loss_evidence(params, sums, least, afresh):
-    """Fraction of thrust lost that fits force and torque best and the evidence for it, or zeros.
+    """Return the fraction of thrust lost that fits force and torque best, and the evidence for it; zeros for
+    too small a loss and for evidence below ``least``.
 
-    Too little a loss counts as none and, if wanted, starts afresh; evidence below ``least`` counts as none.
+    Too small a loss resets the sums if ``afresh``.
     """
     if sums.own <= 0.0:
         return 0.0, 0.0
@@ -209,15 +220,17 @@ def loss_evidence(params, sums, least, afresh):
 
 @kernel
 def stuck_on_evidence(sums, least):
-    """Evidence that a valve stays open, none below ``least``; contrary evidence restarts it."""
-    if sums.own > 2.0 * sums.cross:  # more is left than there was: the logarithm would be negative
+    """Return the evidence that a valve stays open, 0 if below ``least``; contrary evidence resets the
+    sums.
+    """
+    if sums.own > 2.0 * sums.cross:  # the prediction enlarges the residual: the logarithm would be negative
         forget(sums)
     return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0
 
 
 @kernel
 def evidence_by_thrust(params, sums_off, sums_on, least):
-    """(kind, loss, evidence) of the likelier fault of a thruster, by force and torque alone."""
+    """Return (kind, loss, evidence) of the more probable fault of a thruster, by force and torque alone."""
     loss, off = loss_evidence(params, sums_off, least, True)
     on = stuck_on_evidence(sums_on, least)
     if on > off:
@@ -227,15 +240,15 @@ def evidence_by_thrust(params, sums_off, sums_on, least):
 
 @kernel
 def kind_of(params, loss):
-    """Stuck off or degraded, by the fraction of thrust lost."""
+    """Return the kind of fault, stuck off or degraded, for a fraction ``loss`` of thrust lost."""
     return STUCK_OFF if loss >= params.loss_dead else DEGRADED
 
 
 @kernel
 def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least):
-    """(kind, loss, evidence, evidence of the meter alone) of a loss of thruster ``i``, by flow, force and
-    torque; a valve that stays open is found by the meter. A meter that reads a flow at rest gives no
-    evidence.
+    """Return (kind, loss, evidence, evidence of the flow alone) for a loss of thruster ``i``, by flow, force
+    and torque; :func:`.leak_isolation.leaking_branch` finds open valves by the flow. A meter that reads an
+    impossible flow at rest gives no evidence.
     """
     # while the flow shows a loss, force and torque do not restart
     loss, lost = loss_evidence(params, memory.off[i], least, flow.off[i].cycles == 0)
@@ -253,14 +266,13 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
 
 @kernel
 def weigh_explanations(params, flow, memory, b, found):
-    """Compare three explanations of a loss of flow at a thruster of branch ``b``: the meter of its branch has
-    failed, the whole branch is dead, or the thruster itself has failed; returns the evidence for the
-    thruster.
+    """Compare three explanations of a loss of flow at a thruster of branch ``b``: the meter has failed, the
+    whole branch is dead, or the thruster has failed. Returns the evidence for the thruster.
 
     Args:
-        memory: ``HYPOTHESES`` record; its evidence against the meter (``against``) and for a dead branch
-            (``lost``) is raised.
-        found: fraction of the flow lost; evidence of flow, force and torque for it; evidence of the flow
+        memory: ``HYPOTHESES`` record; the evidence that the meter has failed (``against``) and that the
+            branch is dead (``lost``) is updated.
+        found: fraction of the flow lost; evidence for it by flow, force and torque; evidence by the flow
             alone.
     """
     loss, most, by_flow = found
@@ -281,9 +293,9 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     """Find the best hypothesis and its posterior probability among all thrusters, dead branches, failed
     meters and "no fault".
 
-    The hypotheses about one thruster do not compete: which thruster it is matters more than how it fails.
-    Evidence below half the prior is noise: against "no fault" all thrusters together would hold less than a
-    per cent with it.
+    Of each thruster only the most probable fault counts: which thruster has failed matters more than how.
+    Evidence below half the prior is noise: all thrusters together would have less than one per cent of
+    probability with it.
     """
     best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
     for b in range(vehicle.branches.count):

@@ -1,19 +1,20 @@
-"""Isolation of the leaking thruster of a branch: the latch valve is closed, and force and torque show which
-thruster stopped with it.
+"""Isolation of the leaking thruster of a branch: the latch valve is closed, and the change of force and
+torque shows which thruster has stopped.
 
-A flow through a branch that was not commanded is detected by its meter within two cycles, and the branch is
-closed at once: that costs its healthy thrusters too. The effect of the leak shows in the change of the
-unexplained force and torque from before to after: when it began, and each time the latch valve moves. The
-change c is compared with the effect of each thruster i of the branch, b_i: over n looks the sum of squares
-S_i of c - b_i gives the evidence n (m / 2) ln((S + S0) / (S_i + S0)) as in
-:mod:`edl6dof.fsw.diagnosis.hypotheses`. A change within some tenths of a second is hardly disturbed by air or
-riser; where one look does not decide, the branch is opened and closed again, at the cost of that leak.
+The meter of a branch detects a flow that was not commanded within two cycles, and the branch is closed at
+once, its healthy thrusters included. The leak shows in changes of the unexplained force and torque: when it
+begins, and each time the latch valve moves. Each such change c, a look, is compared with the effect b_i of
+each thruster i of the branch: over n looks the sum of squares S_i of c - b_i gives the evidence n (m / 2)
+ln((S + S0) / (S_i + S0)) as in :mod:`edl6dof.fsw.diagnosis.hypotheses`. A change within some tenths of a
+second is hardly disturbed by air or riser; where one look does not decide, the branch is opened and closed
+again, and leaks meanwhile.
 
 If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again.
 Without a meter, a leak is suspected of any thruster that does not respond by force and torque; the branch is
 used again if nothing changes when it is closed.
 
-Source: none; keying an input to separate its effect from drifts is the lock-in of measurement technique.
+Source: none; to switch an input on and off in order to separate its effect from drifts is the lock-in
+technique of measurement.
 """
 
 from __future__ import annotations
@@ -27,24 +28,25 @@ from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import exp
 
 UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
-#: Control cycles after the latch valve moved that are mixed, and those after them that make a look.
+#: Control cycles after a movement of the latch valve that are not used, and the following ones that make a
+#: look.
 MIXED, LOOK = 1, 3
-SURELY_BEFORE = 5  # cycles ago that a leak just detected had not begun
-LEAST_LOOKS = 3  # a parachute that opens can make one or two look like another thruster
-MOST_LOOKS = 20  # after which the most probable is named, whatever its probability
+SURELY_BEFORE = 5  # cycles: so long ago a leak just detected had not begun
+LEAST_LOOKS = 3  # in one or two looks an opening parachute can resemble another thruster
+MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
 
 LEAK = record(
     ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
     ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
-    ("candidate", FLAG, (MAX_THRUSTERS,)),  # the thrusters of that branch that were in use
-    ("metered", FLAG),  # by a meter, one of them leaks
-    ("open", FLAG),  # the latch valve
-    ("cycles", COUNT),  # since it moved
+    ("candidate", FLAG, (MAX_THRUSTERS,)),  # thrusters of the branch that were in use
+    ("metered", FLAG),  # a meter shows that one of them leaks
+    ("open", FLAG),  # the latch valve is open
+    ("cycles", COUNT),  # since the latch valve moved
     ("looks", COUNT),
-    ("before", "f8", (6,)),  # unexplained force and torque, mean before it moved
-    ("after", "f8", (6,)),  # and since
-    ("flow", "f8"),  # kg/s, mean since
-    # share of the cycle before it moved in which each thruster was to be closed, and a leak shows
+    ("before", "f8", (6,)),  # N, N m: mean unexplained wrench before the latch valve moved
+    ("after", "f8", (6,)),  # N, N m: mean after
+    ("flow", "f8"),  # kg/s: mean flow read after
+    # share of the cycle before in which each thruster was commanded closed, so that a leak shows
     ("idle", "f8", (MAX_THRUSTERS,)),
     ("sums", SUMS, (MAX_THRUSTERS,)),
     ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
@@ -53,7 +55,7 @@ LEAK = record(
 
 @kernel
 def leaking_branch(params, vehicle, healthy, flow):
-    """Branch with the most evidence for a flow that was not commanded, or ``NONE``."""
+    """Return the branch with the most evidence for a flow that was not commanded, or ``NONE``."""
     found, most = NONE, params.prior
     for i in range(vehicle.n_thrusters):
         b = vehicle.branches.of[i]
@@ -64,7 +66,7 @@ def leaking_branch(params, vehicle, healthy, flow):
 
 @kernel
 def mean_of(residual, first, last, mean):
-    """Mean of the unexplained force and torque of the cycles from ``last`` back to ``first`` ago."""
+    """Write the mean unexplained force and torque of the cycles from ``last`` to ``first`` cycles ago."""
     for j in range(6):
         mean[j] = 0.0
         for back in range(first, last + 1):
@@ -73,7 +75,9 @@ def mean_of(residual, first, last, mean):
 
 @kernel
 def compare_change(params, signals, sign, memory):
-    """Compare the change from before to after with ``sign`` times the effect of each candidate."""
+    """Add a look: compare the change of the wrench with ``sign`` times the effect of each candidate; +1: the
+    leak has begun, -1: it has stopped.
+    """
     weight = weights(params, signals.activity.wrench, signals.load)
     before, after = memory.before, memory.after
     change = (
@@ -96,7 +100,9 @@ def compare_change(params, signals, sign, memory):
 
 @kernel
 def start_leak_isolation(params, signals, b, metered, residual, memory):
-    """Close branch ``b`` to isolate a leak, ``metered`` or not; its beginning is the first look."""
+    """Close branch ``b`` to isolate a leak; the beginning of the leak is the first look if its meter shows it
+    (``metered``).
+    """
     vehicle, healthy = signals.vehicle, signals.healthy
     memory.metered = 1 if metered else 0
     memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
@@ -117,7 +123,7 @@ def start_leak_isolation(params, signals, b, metered, residual, memory):
 
 @kernel
 def restart_look(residual, memory):
-    """Take the last cycles for those before a movement of the valve."""
+    """Take the last cycles as those before a movement of the latch valve."""
     mean_of(residual, 1, 1 if memory.looks < 2 else LOOK, memory.before)
     for j in range(6):
         memory.after[j] = 0.0
@@ -126,7 +132,9 @@ def restart_look(residual, memory):
 
 @kernel
 def most_probable(count, memory):
-    """Find the best candidate; returns its probability, without a meter against "none leaks" as well."""
+    """Find the best candidate. Returns its probability among the candidates; without a meter "none leaks" is
+    one more.
+    """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
@@ -143,9 +151,11 @@ def most_probable(count, memory):
 
 @kernel
 def step_leak_isolation(params, signals, flow, residual, memory):
-    """Run one control cycle with the branch closed, or open for a look; returns result and confidence.
+    """Run one control cycle of leak isolation. Returns the result (``UNDER_WAY`` until it is decided) and its
+    confidence.
 
-    The time between looks varies: a canopy that breathes at the rate of the looks would look like a thruster.
+    The time between looks varies, as a canopy that breathes at the frequency of the looks would resemble a
+    thruster.
     """
     b, count = memory.branch, signals.vehicle.n_thrusters
     memory.cycles += 1
@@ -178,7 +188,7 @@ def step_leak_isolation(params, signals, flow, residual, memory):
 
 @kernel
 def reopen_branch(count, memory, healthy):
-    """Open the branch again: its candidates are healthy."""
+    """Open the latch valve of the branch, and use its candidates again."""
     memory.latch_closed[memory.branch] = 0
     for i in range(count):
         if memory.candidate[i] != 0:

@@ -1,1 +1,1 @@
-"""Estimators: what the flight software infers about the world beyond navigation."""
+"""Estimators: disturbance force and torque, loss of engine thrust, and a stuck throttle."""

@@ -1,19 +1,19 @@
-"""Engine thrust that the specific force shows, against the one commanded: loss of thrust, and stuck throttle.
+"""Comparison of measured and commanded engine thrust: loss of thrust, and stuck throttle.
 
-Loss of thrust: while the commanded thrust rests, the ratio of both is taken with a first-order lag.  The air
-that slows the lander shows as thrust and hides a little of the loss; no more than all of the commanded thrust
-is ever believed.  A loss is believed from a bound on that dispersed masses and thrusts of healthy engines
-stay below, and followed from then on, until other engines burn.
+Loss of thrust: while the commanded thrust is steady, the ratio of measured to commanded thrust is filtered
+with a first-order lag. The drag of the lander counts as thrust and hides a little of the loss; a thrust above
+the command counts as no loss. A loss is believed once it exceeds a bound that dispersed masses and thrusts of
+healthy engines do not reach; from then on the filtered loss is used, until the engines stop.
 
-Stuck throttle: the measured thrust stays constant while its command falls.  The measured thrust is smoothed.
-Where it rests, it is noted together with the command at which it came to rest, and later changes of the
-command are compared with it.  Thrust that follows the command from there, even by a share of it, is noted
-again: a weak engine gives less, and the drag of the air or a thruster that is stuck on adds to the measured
-thrust.  Where the command has fallen and the thrust rests, the throttle is stuck.  A throttle that stops on
-its way down to the end of its band has followed a share, and its command falls no more: it is stuck where the
-thrust rests above its command by more than drag and thrusters can hold of the weight.  Either is believed for
-good, and the thrust is followed from then on whenever it rests.  A command that rises and is not followed
-says less: a weak engine does the same.
+Stuck throttle: the measured thrust stays constant while its command falls. The measured thrust is smoothed.
+When it is steady, thrust and command are stored as a reference for later changes. If the thrust then follows
+a change of the command, even in part, the reference is renewed: a weak engine gives less, and drag or a
+thruster stuck on adds to the measured thrust. If the command has fallen and the thrust is steady, the
+throttle is stuck. A throttle that stops on its way to the lower end of its band has followed in part, and its
+command falls no further: it counts as stuck if the steady thrust exceeds the command by more than drag and
+thrusters can explain, a share of the weight. Either is believed until the end of the flight, and the believed
+thrust is updated whenever the measured one is steady. A rising command without effect is no evidence: a weak
+engine behaves alike.
 
 Source: this project; a bias of the thrust estimated from accelerometers: Crassidis and Junkins, Optimal
 Estimation of Dynamic Systems (2011), section 5.3, with the first-order lag as its steady gain.
@@ -27,7 +27,7 @@ from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.vector import clamp
 
-#: Change of the commanded thrust, over it, up to which it rests.
+#: Relative change up to which a thrust counts as steady.
 RESTS = 0.05
 
 
@@ -35,9 +35,9 @@ class EngineShortfallParams(Params):
     """Belief in a loss of thrust."""
 
     settled_s: float = param(
-        1.0, "time for which the command must rest before the thrust is looked at", status="estimate", ge=0.0
+        1.0, "time of steady command before the thrust is evaluated", status="estimate", ge=0.0
     )
-    lag_s: float = param(0.5, "lag with which the loss is followed", status="estimate", gt=0.0)
+    lag_s: float = param(0.5, "lag of the filtered loss", status="estimate", gt=0.0)
     believed_from: float = param(
         0.1, "loss, over the command, from which it is believed; 1: never", status="estimate", gt=0.0, le=1.0
     )
@@ -45,22 +45,22 @@ class EngineShortfallParams(Params):
 
 
 ENGINE_SHORTFALL = record(
-    ("commanded", "f8"),  # N: where the command began to rest
-    ("rested", "f8"),  # s: for how long it has
-    ("loss", "f8"),  # of the commanded thrust, followed
+    ("commanded", "f8"),  # N: command when it became steady
+    ("rested", "f8"),  # s: for how long the command has been steady
+    ("loss", "f8"),  # filtered, over the commanded thrust
     ("believed", FLAG),
 )
 
 
 @kernel
 def engine_shortfall(params, commanded, measured, dt, memory):
-    """Loss of thrust, over the commanded one, that is believed; 0 while there is none.
+    """Return the believed loss of thrust, over the commanded thrust; 0 while none is believed.
 
     Args:
         params: ``EngineShortfallParams`` record.
-        commanded: thrust of all engines that burn, N; 0: none burns.
-        measured: thrust that the specific force shows, N.
-        dt: since the last call, s.
+        commanded: axial thrust commanded of all burning engines, N; 0: none burns.
+        measured: axial thrust by the measured specific force, N.
+        dt: time since the last call, s.
         memory: ``ENGINE_SHORTFALL`` record, updated.
     """
     if commanded <= 0.0:
@@ -78,7 +78,7 @@ def engine_shortfall(params, commanded, measured, dt, memory):
     return clamp(memory.loss, 0.0, params.most) if memory.believed != 0 else 0.0
 
 
-#: Share of a change of the command that thrust has to follow to count as one that moves.
+#: Change of the thrust, over that of the command, from which the throttle counts as moving.
 FOLLOWS = 0.35
 
 
@@ -86,14 +86,14 @@ class StuckThrottleParams(Params):
     """Belief in a throttle that is stuck."""
 
     lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
-    settled_s: float = param(1.0, "time for which the thrust has to stay behind", status="estimate", ge=0.0)
+    settled_s: float = param(1.0, "time of deviation before it is believed", status="estimate", ge=0.0)
     believed_from: float = param(
-        0.2, "unfollowed fall of the command, over it, from which it is believed", status="estimate", gt=0.0
+        0.2, "fall of the command without effect, over it, that is believed", status="estimate", gt=0.0
     )
     over_from: float = param(
         0.4,
-        "thrust above its command, over the weight, from which it is believed: more than all axial thrusters "
-        "and the drag without a canopy, less than an engine at the lower end of its band has over it if it "
+        "thrust above its command, over the weight, from which it is believed: more than axial thrusters "
+        "and drag without a canopy give, less than an engine stuck at the lower end of its band has if it "
         "stops the lander in the air",
         status="estimate",
         gt=0.0,
@@ -102,12 +102,12 @@ class StuckThrottleParams(Params):
 
 STUCK_THROTTLE = record(
     ("smoothed", "f8"),  # N: measured thrust
-    ("resting", "f8"),  # N: where it began to rest
-    ("meanwhile", "f8"),  # N: and its command then
-    ("rested", "f8"),  # s: for how long it has
-    ("stayed", "f8"),  # s: and for how long away from its command
-    ("reference", "f8"),  # N: thrust that was noted
-    ("asked", "f8"),  # N: and its command
+    ("resting", "f8"),  # N: measured thrust when it became steady
+    ("meanwhile", "f8"),  # N: command at that time
+    ("rested", "f8"),  # s: for how long the measured thrust has been steady
+    ("stayed", "f8"),  # s: for how long it has also deviated from its command
+    ("reference", "f8"),  # N: stored steady thrust
+    ("asked", "f8"),  # N: its command
     ("held", "f8"),  # N: thrust of the stuck throttle; 0: it moves
 )
 
@@ -118,9 +118,9 @@ def stuck_throttle(params, commanded, measured, full, weight, dt, memory):
 
     Args:
         params: ``StuckThrottleParams`` record.
-        commanded, measured: as of :func:`engine_shortfall`, N.
-        full: thrust of all engines that burn at full level, N.
-        weight: of the lander, N.
+        commanded, measured: as for :func:`engine_shortfall`, N.
+        full: thrust of all burning engines at full level, N.
+        weight: weight of the lander, N.
         dt: since the last call, s.
         memory: ``STUCK_THROTTLE`` record, updated.
     """

@@ -1,10 +1,10 @@
 """First-order estimators of disturbance torque and force, sampled at the control rate.
 
 Continuous form (Hu et al. 2022): torque d = xi + lambda J w, xi' = -lambda (-w x J w + T + d) (eq. 9); force
-F = eta + lambda_v m v_d, v_d' = a_b, eta' = -lambda_v (F + F_c) (eqs. 10-12).  Put together each says x' =
-lambda (seen - x): the estimate follows the torque J w' + w x J w - T, or the force m a_b - F_c, that the
-commands do not explain, with the single pole -lambda.  (Eq. 9 prints J_est in one place and J in the other;
-one believed tensor serves both here.)  Sampled, increments over one cycle stand for the derivatives,
+F = eta + lambda_v m v_d, v_d' = a_b, eta' = -lambda_v (F + F_c) (eqs. 10-12). Combined, each pair gives x' =
+lambda (seen - x): the estimate x follows the unexplained torque J w' + w x J w - T, or the unexplained force
+m a_b - F_c, with the single pole -lambda. (Eq. 9 prints J_est in one place and J in the other; here both are
+the believed tensor.) In the sampled form, increments over one cycle replace the derivatives:
 
     x += (1 - exp(-lambda dt)) (seen - x),
 
@@ -33,7 +33,7 @@ class FirstOrderParams(Params):
 
 @kernel
 def estimate(params, measured, dt, memory, out):
-    """Let the estimates follow what the commands do not explain."""
+    """Filter the unexplained force and torque into the estimates ``out``."""
     limit, unexplained = params.torque_limit, measured.unexplained
     torque_step, force_step = 1.0 - exp(-params.torque_pole * dt), 1.0 - exp(-params.force_pole * dt)
     for i in range(3):

@@ -1,14 +1,13 @@
 """Disturbance estimation: the family of estimators, and the control cycle that runs the chosen one.
 
-A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it brings the estimate ``out``
-(``DISTURBANCE``) up to the control cycle of ``dt`` seconds that the latest inertial measurement covers,
-``measured`` (``MEASURED``).  ``out`` still holds the last estimate; ``params`` and ``memory`` are its own.
+A member has one kernel, ``estimate(params, measured, dt, memory, out)``: it updates the estimate ``out``
+(``DISTURBANCE``), which contains the last estimate, by ``measured`` (``MEASURED``), the control cycle of
+``dt`` seconds that the latest inertial measurement covers. ``params`` and ``memory`` belong to the member.
 
-Measured and expected thrust are means over just that cycle.  The measurement is some base cycles old, and
+Measured and expected thrust are means over the same cycle. The measurement is some base cycles old, and
 thrust follows the valve a few milliseconds late: so the valve intervals commanded in the last control cycles
-are kept (``ACTIVITY``), and the share of the measured cycle in which each thruster should have given thrust
-follows from them.  Neither rounding by the modulator nor the age of the measurement is then mistaken for a
-disturbance.
+are stored (``ACTIVITY``), and give the share of the measured cycle in which each thruster should have given
+thrust. Neither the rounding by pulse modulation nor the age of the measurement then counts as a disturbance.
 """
 
 from __future__ import annotations
@@ -31,22 +30,22 @@ from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.frames import total_angle_of_attack
 from edl6dof.spatial.vector import add, cross, inertia_times, put3, scale, sub, take3
 
-#: Control cycles whose valve intervals are kept: the measured cycle lies within the last two, thrust lags
-#: into the third.
+#: Control cycles whose valve intervals are stored: the measured cycle lies within the last two, and thrust
+#: lags behind the valve into the third.
 KEPT = 3
 
 ACTIVITY = record(
     ("open_time", "f8", (KEPT, MAX_THRUSTERS)),
     ("close_time", "f8", (KEPT, MAX_THRUSTERS)),
-    # of the measured cycle in which each thruster should have given thrust
+    # share of the measured cycle in which each thruster should have given thrust
     ("share", "f8", (MAX_THRUSTERS,)),
-    ("wrench", "f8", (6,)),  # mean force and torque that gives
+    ("wrench", "f8", (6,)),  # N and N m, B: mean force and torque by these shares
 )
 
 
 @kernel
 def remember_valves(valves, count, memory):
-    """Keep the intervals of the ``valves`` (``MODULATION`` record) in a new control cycle."""
+    """Store the intervals of the ``valves`` (``MODULATION`` record) of a new control cycle."""
     for k in range(KEPT - 1, 0, -1):
         for i in range(count):
             memory.open_time[k, i] = memory.open_time[k - 1, i]
@@ -83,17 +82,17 @@ MEASURED = record(
     ("inertia", "f8", (3,)),  # kg m2, B: believed principal moments about the axes of B
     ("mass", "f8"),  # kg: believed
     ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
-    ("last_rate", "f8", (3,)),  # rad/s, B: at its beginning
+    ("last_rate", "f8", (3,)),  # rad/s, B: at the beginning of the cycle
     ("velocity_gain", "f8", (3,)),  # m/s, B: integral of the specific force over the cycle
     ("applied", "f8", (6,)),  # N and N m, B: mean force and torque of the commanded thrusters
-    ("unexplained", "f8", (6,)),  # N and N m, B: what was measured less what was applied
+    ("unexplained", "f8", (6,)),  # N and N m, B: measured less applied force and torque
 )
 
 DISTURBANCE = record(
     ("torque", "f8", (3,)),  # N m, B: on the vehicle, without the commanded thrusters
     ("force", "f8", (3,)),  # N, B: on the vehicle, without the commanded thrusters and gravity
     ("pole", "f8"),  # rad/s: convergence speed of the torque
-    ("unexplained", "f8", (6,)),  # N and N m, B: what one cycle alone shows
+    ("unexplained", "f8", (6,)),  # N and N m, B: unexplained force and torque of the last cycle, not filtered
 )
 
 _Estimators: Any = ESTIMATORS.params_model(
@@ -102,11 +101,11 @@ _Estimators: Any = ESTIMATORS.params_model(
 
 
 class EstimationParams(_Estimators):
-    """Disturbance estimation: the estimator, and what all share."""
+    """Disturbance estimation: the estimator, and the settings that all estimators share."""
 
     valve_lag_s: float = param(
         0.006,
-        "time by which thrust follows the valve, half its rise",
+        "time by which thrust lags the valve, half its rise",
         status="estimate",
         source="rise and decay of 12 ms",
         ge=0.0,
@@ -115,7 +114,7 @@ class EstimationParams(_Estimators):
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
     held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
-        1.0, "lag of the force angle; outlasts a leak that diagnosis stops", status="design", gt=0.0
+        1.0, "lag of the force angle; longer than a leak until diagnosis stops it", status="design", gt=0.0
     )
 
 
@@ -124,19 +123,19 @@ estimate = ESTIMATORS.role("estimate", "params", "measured", "dt", "memory", "ou
 
 @kernel
 def force_angle(lag, force_B, dt, last):
-    """Return the angle (rad) of ``force_B`` (N) from the -x axis of B, smoothed: the flow meets the vehicle
-    head on where it is zero.
+    """Return the filtered angle (rad) of ``force_B`` from the -x axis of B; at zero the air meets the vehicle
+    along its axis.
 
-    A body of revolution feels air that meets it along its axis as a force along that axis, whatever the wind;
-    a force across it shows an angle of attack, or a thruster that fires without a command.  The angle of
-    attack that navigation computes shows these only as far as the wind is known.  Source: the acceleration
-    ratios technique of entry reconstruction (Withers et al. 2003, Planetary and Space Science 51, 541-561),
-    without its aerodynamic table.
+    On a body of revolution, air along its axis exerts a force along that axis, whatever the wind; a lateral
+    force shows an angle of attack, or a thruster that fires without a command. The angle of attack of
+    navigation is only as good as the expected wind. Source: the acceleration ratios technique of entry
+    reconstruction (Withers et al. 2003, Planetary and Space Science 51, 541-561), without its aerodynamic
+    table.
 
     Args:
-        lag: first-order lag, s; outlasts a leak that diagnosis stops.
+        lag: first-order lag, s; longer than a leak lasts before diagnosis stops it.
         force_B: force that the commanded thrusters do not explain, N, B.
-        dt: since the last call, s.
+        dt: time since the last call, s.
         last: result of the last call, rad.
     """
     return last + (1.0 - exp(-dt / lag)) * (total_angle_of_attack(scale(-1.0, force_B)) - last)
@@ -146,7 +145,7 @@ ESTIMATION = record(
     ("activity", ACTIVITY),
     ("measured", MEASURED),
     ("rate", "f8", (3,)),  # rad/s, B: the last measurement
-    ("gain", "f8", (3,)),  # m/s, B: and its count of the specific force
+    ("gain", "f8", (3,)),  # m/s, B: its integral of the specific force
     ("started", FLAG),
     ("law", ESTIMATORS.memory),
     ("engine_shortfall", ENGINE_SHORTFALL),
@@ -156,8 +155,8 @@ ESTIMATION = record(
 
 @kernel
 def unexplained_torque(inertia, w, last, applied, dt):
-    """Mean torque (N m, B) over a cycle in which the rate went from ``last`` to ``w`` (rad/s), less the
-    ``applied`` one; ``inertia`` is a tensor: xx, yy, zz, xy, xz, yz, kg m2.
+    """Return the mean torque (N m, B) over a cycle of ``dt`` (s) in which the rate changed from ``last`` to
+    ``w`` (rad/s), less the ``applied`` torque; ``inertia``: tensor xx, yy, zz, xy, xz, yz (kg m2).
     """
     growth = inertia_times(inertia, scale(1.0 / dt, sub(w, last)))
     middle = scale(0.5, add(w, last))
@@ -166,7 +165,9 @@ def unexplained_torque(inertia, w, last, applied, dt):
 
 @kernel
 def unexplained_force(mass, gain, last, applied, dt):
-    """Mean force (N, B) over a cycle from the velocity gained (m/s, B), less the ``applied`` one."""
+    """Return the mean force (N, B) over a cycle in which the integral of the specific force changed from
+    ``last`` to ``gain`` (m/s, B), less the ``applied`` force.
+    """
     return sub(scale(mass / dt, sub(gain, last)), applied)
 
 
@@ -177,7 +178,7 @@ def measure(inertia, mass, rate, gain, dt, memory):
     Args:
         inertia, mass: believed principal moments, kg m2, and mass, kg.
         rate: measured body rate, rad/s, B.
-        gain: count of the specific force, m/s, B.
+        gain: integral of the specific force since the start, m/s, B.
         dt: control cycle, s.
         memory: ``ESTIMATION`` record, its ``activity`` up to date.
     """
@@ -197,8 +198,8 @@ def measure(inertia, mass, rate, gain, dt, memory):
 
 @kernel
 def estimate_disturbance(estimate, params, vehicle, state, nav, imu_delay, effectiveness, dt, memory, out):
-    """Bring the estimate ``out`` (``DISTURBANCE``) up to the latest inertial measurement, which is
-    ``imu_delay`` s old, by the estimator that flies.
+    """Update the estimate ``out`` (``DISTURBANCE``) by the latest inertial measurement, which is
+    ``imu_delay`` s old, with the chosen estimator.
     """
     end = nav.t - imu_delay
     activity = memory.activity

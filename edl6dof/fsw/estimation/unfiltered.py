@@ -1,7 +1,7 @@
-"""The unexplained torque and force themselves, without a filter: the fastest estimate, and the noisiest.
+"""The unexplained torque and force without a filter: the fastest and the noisiest estimate.
 
-Source: the limit of Hu et al. 2022, eqs. 9-12, for an infinite convergence speed (deadbeat); one cycle of
-noise of the inertial measurement unit goes straight into the demand.
+Source: the limit of Hu et al. 2022, eqs. 9-12, for an infinite convergence speed (deadbeat); the noise of the
+inertial measurement unit enters the demand unfiltered.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class UnfilteredParams(Params):
 
 @kernel
 def estimate(params, measured, dt, memory, out):
-    """Take the last cycle for the truth."""
+    """Use the unexplained force and torque of the last cycle as the estimate."""
     for i in range(3):
         out.force[i] = measured.unexplained[i]
         out.torque[i] = clamp(measured.unexplained[3 + i], -params.torque_limit, params.torque_limit)

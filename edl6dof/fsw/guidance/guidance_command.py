@@ -1,8 +1,7 @@
 """The output of guidance to attitude control and engine, and the constraints that powered guidance relaxes.
 
-Where no landing keeps all constraints, a law relaxes one more at a time of those it plans with; the last
-resort, full thrust against the velocity, is common to all laws
-(:mod:`~edl6dof.fsw.guidance.powered.stopping`).
+Where no landing satisfies all constraints, a law relaxes them one after another; the last resort, full thrust
+against the velocity, is common to all laws (:mod:`~edl6dof.fsw.guidance.powered.stopping`).
 """
 
 from __future__ import annotations
@@ -13,16 +12,16 @@ from edl6dof.records import FLAG, record, whole
 
 #: The constraints, in the order in which they are relaxed.
 CONSTRAINTS = ("throttle dwell", "arrival height", "glide slope", "tilt", "target", "throttle band")
-#: How many of them are relaxed.
+#: Numbers of relaxed constraints, named after the last one.
 DWELL, ARRIVAL, GLIDE_SLOPE, TILT, TARGET, EVERYTHING = range(1, len(CONSTRAINTS) + 1)
 
-#: For each number of constraints that were relaxed: when first (s, flight time; 0: never), and how far from
-#: rest at the target the landing was then still expected to end (m).
+#: For each number of relaxed constraints: flight time at which it was first relaxed (s; 0: never), and the
+#: landing error expected then (m).
 RELAXED = record(("t", "f8", (EVERYTHING,)), ("landing_error", "f8", (EVERYTHING,)))
 
 
 def in_words(relaxed: int) -> str:
-    """Describe what guidance does with so many constraints relaxed."""
+    """Describe the action of guidance with the first ``relaxed`` constraints relaxed."""
     if relaxed == EVERYTHING:
         return "braking at full thrust"
     return f"constraints relaxed up to the {CONSTRAINTS[relaxed - 1]}"
@@ -30,7 +29,9 @@ def in_words(relaxed: int) -> str:
 
 @kernel
 def note_relaxed(t, goal, memory):
-    """Note in a ``RELAXED`` record what the ``GUIDE`` record ``goal`` gives up at time ``t`` (s)."""
+    """Store in a ``RELAXED`` record when the ``GUIDE`` record ``goal`` relaxes constraints; ``t``: flight
+    time (s).
+    """
     last = goal.relaxed - 1
     if last >= 0 and memory.t[last] == 0.0:
         memory.t[last], memory.landing_error[last] = t, goal.landing_error
@@ -47,7 +48,7 @@ GUIDE = record(
     ("full_wanted", FLAG),  # the law asks for full level now
     ("translating", FLAG),  # lateral force is demanded of the horizontal thrusters
     ("force_N", "f8", (2,)),  # N, N: lateral force for the horizontal thrusters, north and east
-    ("reference_drag", "f8"),  # m/s2: drag that the entry law tracks, of those that track one
+    ("reference_drag", "f8"),  # m/s2: drag that the entry law tracks, if it tracks one
     ("range_to_go", "f8"),  # m: great circle to the aim point on the equatorial radius
     ("crossrange", "f8"),  # m: of the aim point; positive when the velocity points to the right of it
     ("least_bank", "f8"),  # rad: smallest bank magnitude that entry guidance allows now
@@ -57,10 +58,10 @@ GUIDE = record(
     ("drag_trend", "f8"),  # 1/m: change of that ratio with height
     ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
     ("time_to_go", "f8"),  # s: until the powered target is reached
-    ("relaxed", whole(0, EVERYTHING)),  # how many constraints powered guidance gives up, in their order
-    ("landing_error", "f8"),  # m: how far from rest at the target it then expects to end
+    ("relaxed", whole(0, EVERYTHING)),  # number of constraints that powered guidance relaxes, in their order
+    ("landing_error", "f8"),  # m: expected distance from rest at the target with relaxed constraints
     ("stop_height", "f8"),  # m, above ground: where a stuck throttle brings the lander to rest
-    ("spot_chosen", FLAG),  # the spot to land on, by hazard detection
+    ("spot_chosen", FLAG),  # hazard detection has chosen the spot to land on
     ("surface", "f8"),  # m/s3: sliding surface
     ("virtual", "f8"),  # m/s3: virtual state of saturation
     ("drag_estimate", "f8"),  # m/s2: estimated drag

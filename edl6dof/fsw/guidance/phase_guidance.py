@@ -28,7 +28,7 @@ GUIDANCE = record(
     ("entry", ENTRY_MEMORY),
     ("target", POWERED_TARGET),
     ("powered", POWERED_LAWS.memory),
-    ("at_full_thrust", FLAG),  # whatever the law wants
+    ("at_full_thrust", FLAG),  # braking at full thrust replaces the law
     ("relaxed", RELAXED),
     ("terminal", TERMINAL),
 )
@@ -51,7 +51,9 @@ def switch_engine(mission, request, state, goal):
 
 @kernel
 def hold_bank(onboard, nav, goal):
-    """Command the preset bank towards the aim point, chosen at the start of the flight, before lift acts."""
+    """Command the preset bank towards the aim point; its side is chosen at the start of the flight, before
+    lift acts.
+    """
     goal.range_to_go, goal.crossrange, goal.downrange_to_go = to_target(onboard, nav)
     if nav.t <= 0.0:
         bank = onboard.guidance.entry.preset_bank
@@ -60,7 +62,9 @@ def hold_bank(onboard, nav, goal):
 
 @kernel
 def keep_thrust_axis(nav, goal):
-    """Hold the thrust axis until ignition, so as not to turn inside the departing backshell."""
+    """Keep the present thrust axis until ignition, so that the lander does not turn inside the departing
+    backshell.
+    """
     q = take4(nav.q_I2B)
     axis = from_frame(q, (-1.0, 0.0, 0.0))
     north, east, up = take3(nav.north_I, 0), take3(nav.east_I, 0), take3(nav.up_I, 0)
@@ -69,7 +73,7 @@ def keep_thrust_axis(nav, goal):
 
 @kernel
 def descend_by_engine(powered_law, onboard, kind, nav, state, disturbance, point, dt, memory, goal):
-    """Thrust, and lateral force where the phase asks for it, of a phase on the main engine."""
+    """Command thrust, and lateral force where the phase uses it, in a phase on the main engine."""
     p, engine, mass = onboard.guidance.powered, state.engine, state.mass
     if kind == G_POWERED and state.ignited == 0:
         keep_thrust_axis(nav, goal)
@@ -102,21 +106,21 @@ def descend_by_engine(powered_law, onboard, kind, nav, state, disturbance, point
 
 @kernel
 def guide(laws, onboard, kind, k, begins, nav, state, disturbance, point, memory, goal, own):
-    """Run the guidance of the present phase when its division of the base cycle comes up, and at once where
-    the phase before had another.
+    """Run the guidance of the present phase in its division of the base cycle, and at once where it follows a
+    phase with another guidance.
 
     Args:
-        laws: entry law, reversal logic and powered law that fly.
+        laws: chosen entry law, reversal logic and powered law.
         onboard: ``ONBOARD`` record.
         kind: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`.
         k: number of the base cycle.
         begins: whether this guidance begins in this cycle.
         nav, state: ``NAV`` and ``VEHICLE_STATE`` records.
-        disturbance: ``DISTURBANCE`` record: the force is fed forward.
-        point: ``LANDING_POINT`` record: where to land, as far as it is chosen.
+        disturbance: ``DISTURBANCE`` record, whose force is fed forward.
+        point: ``LANDING_POINT`` record: landing point, if chosen.
         memory: ``GUIDANCE`` record, updated.
         goal: ``GUIDE`` record, written.
-        own: ``OWN`` record: the result of guidance itself, apart from commands from outside; written.
+        own: ``OWN`` record, written: result of guidance before commands from outside replace it.
     """
     entry_law, bank_side, powered_law = laws
     rates = onboard.rates

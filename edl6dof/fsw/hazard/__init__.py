@@ -1,5 +1,6 @@
-"""Where to land: the ground as the eyes show it, what of it is safe, and the spot that is chosen.
+"""Hazard detection: maps of the ground from the imaging sensors, safe cells, and the choice of a landing
+spot.
 
-Coarse, at the start of powered descent, from an image of hazard density; fine, in hover, from a map of
-elevations.
+The coarse choice, at the start of powered descent, uses an image of hazard density; the fine choice, in
+hover, a map of elevations.
 """

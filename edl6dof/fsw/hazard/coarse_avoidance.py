@@ -1,16 +1,16 @@
-"""Coarse avoidance: the part of an image with the fewest obstacles, and a target in it that keeps clear of
-backshell and canopy.
+"""Coarse avoidance: the part of an image with the fewest obstacles, and a target in it away from backshell
+and canopy.
 
 Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of the velocity to the vertical
 lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part
-with the fewest obstacles is taken, and the thrust turned to its side.  Cells that show no ground count as
-obstacles.  The distance of the target and the choice by the drift of backshell and canopy are estimates.
+with the fewest obstacles is chosen, and the thrust turned towards it. Cells that show no ground count as
+obstacles. The distance of the target, and the rule on the drift of backshell and canopy, are estimates.
 
-Backshell and canopy fall, once released, as a point mass with drag through the believed air.  At the height
-of the release, the wind is taken from the velocity of the vehicle under its parachute over several swings, as
-one alone is metres per second off.  It is unknown how much of its difference from the expected wind lasts
-farther down, since a gust dies in some hundred metres: there is a path for all of it, one for half and one
-for none.
+Backshell and canopy fall, once released, as a point mass with drag through the believed air. At the height of
+the release, the wind is taken from the velocity of the vehicle under its parachute over several swings, as a
+single swing is metres per second off. It is unknown how much of the difference between this wind and the
+expected one persists below, since a gust extends over some hundred metres: one path assumes all of it, one
+half and one none.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from edl6dof.spatial.vector import dot, take3, take4
 
 #: Points of the path, a second apart; steps of integration in each second.
 PATH_POINTS, STEPS = 160, 10
-#: Shares of the difference from the expected wind that last, each with a path of its own.
+#: Shares of the difference from the expected wind that persist, one for each path.
 LASTING = (0.0, 0.5, 1.0)
 
 #: Believed body that leaves the lander: backshell with the canopy that carries it.
 DRIFTER = record(
-    ("mass", "f8"),  # kg; 0: nothing leaves it
+    ("mass", "f8"),  # kg; 0: no backshell
     ("drag_area", "f8"),  # m2
     ("length", "f8"),  # m: from the backshell to the canopy above it
 )
@@ -46,7 +46,9 @@ DRIFT = record(
 
 @kernel
 def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
-    """Acceleration (north, east, down, m/s2) at an altitude (m); ``shift``: of the wind that is expected."""
+    """Acceleration of the falling body (north, east, down, m/s2) at an altitude (m); ``shift``: difference
+    from the expected wind, north and east (m/s); ``velocity``: north, east, down (m/s).
+    """
     density, _, _ = model_atmosphere(atmosphere, altitude)
     wind_north, wind_east = expected_wind(atmosphere, altitude)
     north, east = velocity[0] - wind_north - shift[0], velocity[1] - wind_east - shift[1]
@@ -58,7 +60,9 @@ def fall(atmosphere, drifter, gravity, altitude, shift, velocity):
 
 @kernel
 def follow_wind(time_constant, nav, dt, carried):
-    """Smooth the velocity that the vehicle is carried with (north, east, m/s) over ``time_constant`` (s)."""
+    """Smooth the horizontal velocity of the vehicle over ``time_constant`` (s) into ``carried`` (north, east,
+    m/s), an estimate of the wind.
+    """
     share = min(dt / time_constant, 1.0)
     carried[0] += share * (nav.v_N[0] - carried[0])
     carried[1] += share * (nav.v_N[1] - carried[1])
@@ -66,21 +70,21 @@ def follow_wind(time_constant, nav, dt, carried):
 
 @kernel
 def predict_drifts(atmosphere, drifter, carried, nav, out):
-    """Predict a path for each share of ``LASTING``; arguments as of :func:`predict_drift`."""
+    """Predict a path for each share of ``LASTING``; arguments as for :func:`predict_drift`."""
     for k in range(len(LASTING)):
         predict_drift(atmosphere, drifter, carried, lasting=LASTING[k], nav=nav, out=out[k])
 
 
 @kernel
 def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
-    """Fly backshell and canopy from the state of the vehicle at their release to the ground.
+    """Predict the path of backshell and canopy from the state of the vehicle at their release to the ground.
 
     Args:
         atmosphere, drifter: believed air and wind; ``DRIFTER`` record.
-        carried: velocity that the vehicle was carried with, see :func:`follow_wind`.
-        lasting: share of its difference from the expected wind that lasts.
-        nav: ``NAV`` record at their release.
-        out: ``DRIFT`` record, written; the last point is where they come to the ground.
+        carried: smoothed velocity under the parachute, see :func:`follow_wind`.
+        lasting: share of the difference of ``carried`` from the expected wind that persists.
+        nav: ``NAV`` record at the release.
+        out: ``DRIFT`` record, written; the last point is on the ground.
     """
     out.count = 0
     if drifter.mass <= 0.0:
@@ -107,7 +111,9 @@ def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
 
 @kernel
 def distance_from_drifts(drifts, east, north):
-    """Least horizontal distance (m) of a place from any point of the paths; 1e9 without a path."""
+    """Least horizontal distance (m) of a place (m east, north of the site) from the paths; 1e9 without a
+    path.
+    """
     least = 1e9
     for path in range(len(LASTING)):
         place_L = drifts[path].place_L
@@ -129,16 +135,14 @@ class CoarseParams(Params):
     """Coarse avoidance at the start of powered descent."""
 
     halved_from_deg: float = param(
-        3.0, "velocity off the vertical from which the image is halved", status="estimate", ge=0.0, le=90.0
+        3.0, "velocity to vertical, angle from which the image is halved", status="estimate", ge=0.0, le=90.0
     )
     halved_to_deg: float = param(
-        60.0, "velocity off the vertical up to which it is", status="estimate", ge=0.0, le=90.0
+        60.0, "angle of velocity to vertical up to which it is halved", status="estimate", ge=0.0, le=90.0
     )
-    divert_m: float = param(
-        170.0, "distance of the target into the part that is chosen", status="estimate", ge=0.0
-    )
+    divert_m: float = param(170.0, "distance of the target into the chosen part", status="estimate", ge=0.0)
     lead_s: float = param(
-        12.0, "time for which the target runs ahead with the drift", status="estimate", ge=0.0, le=60.0
+        12.0, "time over which the drift leads to the target", status="estimate", ge=0.0, le=60.0
     )
     keep_clear_m: float = param(
         150.0, "least distance of the target from the drift of the backshell", status="estimate", ge=0.0
@@ -149,19 +153,19 @@ class CoarseParams(Params):
 
 
 COARSE = record(
-    ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # that the image was cut into
-    ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # that was taken
-    ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of each part that is obstacle or not seen
+    ("parts", whole(0, MAX_PARTS_OF_IMAGE)),  # number of parts of the image
+    ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # chosen part
+    ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of obstacles and unseen cells in each part
     ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
-    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: of each target from the drift
+    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: distance of each target from the drift paths
     ("drift", DRIFT, (len(LASTING),)),
 )
 
 
 @kernel
 def part_of(parts, along, across, y, z):
-    """Part of the image in which a cell at (``y``, ``z``) of B lies: of two, that on one side (1) or the
-    other (0) of the velocity (``along``, ``across`` in y and z); of four, by the signs.
+    """Part of the image with a cell at (``y``, ``z``) of B: of two parts, the side (1 or 0) of the horizontal
+    velocity, whose y and z components are ``along`` and ``across``; of four, by the signs of y and z.
     """
     if parts == 2:
         return 1 if along * z - across * y > 0.0 else 0
@@ -181,7 +185,7 @@ def direction_of(parts, part, along, across):
 
 @kernel
 def count_obstacles(camera, parts, along, across, out):
-    """Share of each part of the image that is obstacle or not seen."""
+    """Write the share of obstacles and unseen cells in each part of the image."""
     cells = (0.0, 0.0, 0.0, 0.0)
     for part in range(MAX_PARTS_OF_IMAGE):
         out.obstacles[part] = 0.0
@@ -204,7 +208,7 @@ def count_obstacles(camera, parts, along, across, out):
 
 @kernel
 def lay_targets(p, nav, along, across, out):
-    """Target of each part: ahead with the drift, and off into the part."""
+    """Write the target of each part: ahead with the drift, and aside into the part."""
     q = take4(nav.q_I2B)
     for part in range(out.parts):
         y, z = direction_of(out.parts, part, along, across)
@@ -217,13 +221,13 @@ def lay_targets(p, nav, along, across, out):
 
 @kernel
 def choose_part(p, camera, nav, out):
-    """Take the part of fewest obstacles whose target keeps clear of the drift; where none does, the one that
-    keeps clearest; returns its target, east and north of the landing site (m).
+    """Choose the part of fewest obstacles whose target is away from the drift; where none is, the one with
+    the largest distance. Returns its target, east and north of the landing site (m).
 
     Args:
         p: coarse parameters.
-        camera, nav: ``CAMERA`` record, the image; ``NAV`` record when it was taken.
-        out: ``COARSE`` record with the drift predicted, written.
+        camera, nav: ``CAMERA`` record with the image; ``NAV`` record at the exposure.
+        out: ``COARSE`` record with the predicted drift, written.
     """
     q = take4(nav.q_I2B)
     side = sqrt(nav.v_N[0] * nav.v_N[0] + nav.v_N[1] * nav.v_N[1])

@@ -1,5 +1,5 @@
-"""Hazard detection in flight: an image at the start of powered descent, a scan in hover, and what follows
-from them; which runs, and when.
+"""Hazard detection in flight: sequence of the image at the start of powered descent and of the scan in hover,
+with the choices that follow from them.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3, take4
 
 HAZARD = record(
     ("exposed", FLAG),  # the camera was triggered
-    ("scanning", FLAG),  # the lidar was triggered, and the map is not worked out yet
+    ("scanning", FLAG),  # the lidar was triggered
     ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
     ("scan_t", TIME_IF_EVER),  # s: first block of the scan
     ("spot_t", TIME_IF_EVER),  # s: spot chosen
-    ("here_L", "f8", (3,)),  # m: east, north, up of the landing site where it was
-    ("way_L", "f8", (3,)),  # m: from there, by the velocity since
+    ("here_L", "f8", (3,)),  # m: east, north, up of the site, of the vehicle when the scan began
+    ("way_L", "f8", (3,)),  # m: way since, by integration of the velocity
     ("carried_N", "f8", (2,)),  # m/s: velocity under the parachute, smoothed
     ("coarse", COARSE),
     ("elevation_map", ELEVATION_MAP),
@@ -46,7 +46,9 @@ HAZARD = record(
 
 @kernel
 def to_site(frame, turn, v_I):
-    """A vector as east, north, up of the landing site; ``turn``: cosine and sine of the planet's rotation."""
+    """Rotate a vector from I to east, north, up of the landing site; ``turn``: cosine and sine of the angle
+    of planet rotation.
+    """
     v_F = rotate_z(turn[0], turn[1], v_I)
     north, east, down = fixed_to_ned(frame.sin_lat, frame.cos_lat, frame.sin_lon, frame.cos_lon, v_F)
     return east, north, -down
@@ -67,10 +69,10 @@ def body_axes(planet, frame, nav):
 
 @kernel
 def place_of_eye(eye, centre, memory, axes_L):
-    """East, north, up of the landing site (m) of an eye; ``centre``: of mass, B.
+    """Position of a sensor (m, east, north, up of the landing site); ``centre``: centre of mass (m, B).
 
-    It has moved since the scan began by the integral of the velocity: the navigated altitude jumps by metres
-    with the ground that the radar meets, and each jump would put a step into the map.
+    Since the scan began the position follows the integral of the velocity: the navigated altitude jumps by
+    metres with the terrain under the radar, and each jump would cause a step in the map.
     """
     arm = sub(take3(eye.place, 0), centre)
     off = add(scale(arm[0], axes_L[0]), add(scale(arm[1], axes_L[1]), scale(arm[2], axes_L[2])))
@@ -79,20 +81,20 @@ def place_of_eye(eye, centre, memory, axes_L):
 
 @kernel
 def move(nav, dt, memory):
-    """Keep count of the way since the scan began, ``dt`` (s) after the last time."""
+    """Add the way of a cycle of ``dt`` (s) to the way since the scan began."""
     north, east, down = take3(nav.v_N, 0)
     put3(memory.way_L, 0, add(take3(memory.way_L, 0), scale(dt, (east, north, -down))))
 
 
 @kernel
 def deviation_at(eye, distance):
-    """Standard deviation (m) of a range."""
+    """Standard deviation (m) of a range at ``distance`` (m)."""
     return eye.sigma + eye.sigma_square * distance * distance
 
 
 @kernel
 def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
-    """Take the points of a block of the scan into the map."""
+    """Add the points of a block of the scan to the map."""
     for i in range(SCAN_BLOCK):
         for j in range(SCAN_COLUMNS):
             direction = cell_direction(eye.tangent, SCAN_COLUMNS, lidar.row + i, j)
@@ -101,7 +103,7 @@ def take_rows(eye, lidar, eye_L, axes_L, elevation_map):
 
 @kernel
 def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
-    """Take the points of a pair of images into the map; ``sharp``: standard deviation of a lidar point, m."""
+    """Add the points of a pair of images to the map; ``sharp``: standard deviation of a lidar point, m."""
     for i in range(STEREO_CELLS):
         for j in range(STEREO_CELLS):
             distance = stereo.range[i, j]
@@ -113,16 +115,15 @@ def take_pair(eye, stereo, sharp, eye_L, axes_L, elevation_map):
 
 @kernel
 def begins_to_scan(params, nav, elapsed):
-    """Return whether the hover has settled, or has lasted too long."""
+    """Return whether the hover has settled, or lasts longer than the latest start of the scan."""
     settled = norm(take3(nav.v_N, 0)) < params.speed and norm(take3(nav.w_B, 0)) < params.rate
     return settled or elapsed > params.latest
 
 
 @kernel
 def work_out(classify, params, terminal, deviation, nav, state, memory):
-    """Classify the cells of the map, and choose the spot; ``deviation``: of the elevation of a point, m;
-    ``terminal``: parameters of the terminal phases, how the spot is flown to; ``memory``: ``HAZARD`` record,
-    updated.
+    """Classify the cells of the map, and choose the spot; ``deviation``: standard deviation of the elevation
+    of a point, m; ``terminal``: parameters of the flight to the spot; ``memory``: ``HAZARD`` record, updated.
     """
     elevation_map, footprint, safety_map = memory.elevation_map, memory.footprint, memory.safety_map
     fill_holes(params.filled_weight, elevation_map)
@@ -148,7 +149,7 @@ def work_out(classify, params, terminal, deviation, nav, state, memory):
 
 @kernel
 def look_ahead(onboard, sensed, nav, memory, point, command):
-    """Ask for the image, and make the coarse choice when it is there."""
+    """Trigger the camera, and make the coarse choice when the image arrives."""
     if memory.exposed == 0:
         command.camera_trigger = memory.exposed = 1
         drift = memory.coarse.drift
@@ -161,7 +162,7 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
 
 @kernel
 def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, command):
-    """Ask for the scan, take what it brings, and choose the spot when it is whole."""
+    """Trigger the scan, add its blocks to the map, and choose the spot when the scan is complete."""
     params, eyes = onboard.hazard, onboard.instruments.imagers
     if memory.scanning == 0:
         if begins_to_scan(params.scan, nav, elapsed):
@@ -199,10 +200,10 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
     """Run one base cycle of hazard detection.
 
     Args:
-        classify: member that flies.
+        classify: kernel of the chosen detector.
         onboard: ``ONBOARD`` record.
         kind, elapsed: guidance of the phase, an index of ``GUIDANCE`` in :mod:`edl6dof.fsw.mission`; time
-            since its beginning, s.
+            since the phase began, s.
         sensed, nav, state: ``SENSED``, ``NAV`` and ``VEHICLE_STATE`` records.
         memory: ``HAZARD`` record, updated.
         point: ``LANDING_POINT`` record, written when a choice is made.
@@ -219,6 +220,6 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
             classify, onboard, elapsed, sensed, nav, state=state, memory=memory, point=point, command=command
         )
     elif kind == G_AVOID and point.fine_known == 0:
-        # nothing was seen: the point below is as good as any
+        # nothing was seen: land at the point below
         point.fine_L[0], point.fine_L[1] = nav.site_L[0], nav.site_L[1]
         point.fine_known = 1

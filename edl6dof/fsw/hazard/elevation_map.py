@@ -1,17 +1,16 @@
-"""A map of elevations from ranges and the pose in which each was taken; at every cell, the plane that the
-lander would stand on, and what would reach up under it.
+"""A map of elevations from ranges and the pose at each measurement; and, at every cell, slope and roughness
+of the ground under a lander there.
 
-Rows run north, columns east.  A cell holds the weighted mean of the points in it, the highest of those of the
-sharpest instrument, and their weight: the inverse of the variance of the mean, in units of that of one such
-point.  A cell without a point is unknown: its weight is zero.
+Rows run north, columns east. A cell stores the weighted mean of its points, the highest point of the most
+accurate instrument, and the weight: the inverse of the variance of the mean, in units of that of one point of
+this instrument. A cell without a point is unknown: its weight is zero.
 
 The footprint is a disc, as the lander's azimuth at touchdown is free: its legs stand somewhere on the rim.
-The plane is that of least squares over the means of the cells of the disc, whose moments are known, so that
-level and rises follow from three running sums (cells that enter less cells that leave, chord by chord); the
-roughness is the largest distance of a cell from the plane, square to it: of a rock under the belly, or of a
-hole under a leg.  Source of the two measures: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard
-avoidance for safe landing on Mars", J. Guidance 25(6) 2002 (there with a robust plane in place of least
-squares).
+The plane is the least-squares fit to the cell means of the disc; as its second moments are constant, level
+and rises follow from three running sums, updated by the cells that enter and leave the disc. The roughness is
+the largest distance of a cell from the plane, normal to it: of a rock under the lander, or of a hole under a
+leg. Source of the two measures: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard avoidance for safe
+landing on Mars", J. Guidance 25(6) 2002 (there with a robust plane in place of least squares).
 """
 
 from __future__ import annotations
@@ -27,23 +26,23 @@ from edl6dof.spatial.vector import add, scale
 
 #: Cells of the map along each side.
 MAP_CELLS = 256
-#: A hole is filled where so many of the eight cells around it are known, in so many rounds.
+#: Known cells of the eight neighbours from which a hole is filled, and number of passes.
 NEIGHBOURS_TO_FILL, FILL_ROUNDS = 3, 2
 
 ELEVATION_MAP = record(
     ("cell", "f8"),  # m: side of a cell
     ("corner_L", "f8", (2,)),  # m: east and north of the landing site of the map's corner
-    ("level", "f8"),  # m: up of the landing site from which the elevations count
-    ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m
-    ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m
+    ("level", "f8"),  # m: reference of the elevations, up of the landing site
+    ("mean", "f4", (MAP_CELLS, MAP_CELLS)),  # m: weighted mean of the points
+    ("highest", "f4", (MAP_CELLS, MAP_CELLS)),  # m: highest point
     ("weight", "f4", (MAP_CELLS, MAP_CELLS)),
 )
 
 
 @kernel
 def begin_map(side, centre_L, elevation_map):
-    """Empty the map ``elevation_map`` (``ELEVATION_MAP``) and lay it around ``centre_L`` (east, north, up of
-    the landing site, m), with cells of a ``side`` (m).
+    """Clear ``elevation_map`` (``ELEVATION_MAP``) and place it around ``centre_L`` (east, north, up of the
+    landing site, m), with cells of a ``side`` (m).
     """
     half = 0.5 * side * MAP_CELLS
     elevation_map.cell, elevation_map.level = side, centre_L[2]
@@ -55,7 +54,9 @@ def begin_map(side, centre_L, elevation_map):
 
 @kernel
 def cell_of(elevation_map, east, north):
-    """Row and column of the cell of a point, or of the nearest cell; and whether the map holds it."""
+    """Row and column of the cell of a point (m, east, north of the site), or of the nearest cell; and whether
+    the point is on the map.
+    """
     i, up = cell((north - elevation_map.corner_L[1]) / elevation_map.cell, MAP_CELLS)
     j, right = cell((east - elevation_map.corner_L[0]) / elevation_map.cell, MAP_CELLS)
     return i, j, 0.0 <= up < 1.0 and 0.0 <= right < 1.0
@@ -71,7 +72,9 @@ def middle_of(elevation_map, i, j):
 
 @kernel
 def add_point(point_L, weight, elevation_map):
-    """Add a point (east, north, up of the site, m); a ``weight`` of 1 or more counts for the highest, too."""
+    """Add a point (east, north, up of the site, m); only points of ``weight`` 1 or more update the highest
+    one.
+    """
     i, j, held = cell_of(elevation_map, point_L[0], point_L[1])
     if not held:
         return
@@ -86,12 +89,12 @@ def add_point(point_L, weight, elevation_map):
 
 @kernel
 def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
-    """Add the point at ``distance`` (m, none where not positive) along the unit vector ``direction_B``.
+    """Add the point at ``distance`` (m; none if not positive) along the unit vector ``direction_B``.
 
     Args:
-        eye_L: place of the eye, east, north, up of the landing site, m.
+        eye_L: position of the sensor, east, north, up of the landing site, m.
         axes_L: unit axes x, y, z of B, each as east, north, up.
-        weight: of the point, see above.
+        weight: weight of the point, see the module.
         elevation_map: ``ELEVATION_MAP``, updated.
     """
     if distance <= 0.0:
@@ -103,7 +106,9 @@ def add_range(distance, direction_B, eye_L, axes_L, weight, elevation_map):
 
 @kernel
 def fill_holes(weight, elevation_map):
-    """Fill cells of less than ``weight`` with the mean of better known neighbours, at that weight."""
+    """Fill cells of less than ``weight`` with the mean of neighbours of at least that weight, and set their
+    weight to it.
+    """
     for _ in range(FILL_ROUNDS):
         for i in range(1, MAP_CELLS - 1):
             for j in range(1, MAP_CELLS - 1):
@@ -128,31 +133,31 @@ def _fill(i, j, weight, elevation_map):
         elevation_map.weight[i, j] = -weight
 
 
-#: Largest radius of a footprint in cells.
+#: Largest radius of a footprint, cells.
 MAX_RADIUS = 32
-#: Value of slope and roughness where the footprint is not all known; no footprint is so bad.
+#: Slope and roughness where a cell of the footprint is unknown; larger than any real value.
 UNKNOWN = np.float32(1e3)
 
 _ROW = MAP_CELLS + 2 * MAX_RADIUS + 2
 
-#: The planes of a row of cells, and the sums that they follow from.
+#: Planes of the footprints of a row of cells, and the running sums for them.
 PLANES = record(
     ("known", "f8", (_ROW,)),
     ("sum", "f8", (_ROW,)),
     ("east_sum", "f8", (_ROW,)),
     ("north_sum", "f8", (_ROW,)),
     ("level", "f4", (MAP_CELLS,)),  # m
-    ("rise_east", "f4", (MAP_CELLS,)),  # per metre
-    ("rise_north", "f4", (MAP_CELLS,)),
-    ("farthest", "f4", (MAP_CELLS,)),  # m, from the plane, up or down
-    ("whole", "f4", (MAP_CELLS,)),  # whether all cells are known: 1, else 0
-    ("limit", "f4", (MAP_CELLS,)),  # m: how far off the plane a cell may be, along the vertical
-    ("kept", "f4", (MAP_CELLS,)),  # probability that none is farther
+    ("rise_east", "f4", (MAP_CELLS,)),  # rise per cell eastwards, m
+    ("rise_north", "f4", (MAP_CELLS,)),  # rise per cell northwards, m
+    ("farthest", "f4", (MAP_CELLS,)),  # m: largest distance of a cell from the plane, up or down
+    ("whole", "f4", (MAP_CELLS,)),  # 1: all cells of the footprint are known; else 0
+    ("limit", "f4", (MAP_CELLS,)),  # m: largest admissible vertical distance of a cell from the plane
+    ("kept", "f4", (MAP_CELLS,)),  # probability that no cell is farther
 )
 
 FOOTPRINT = record(
     ("slope", "f4", (MAP_CELLS, MAP_CELLS)),  # tangent of the slope of the plane
-    ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from it
+    ("roughness", "f4", (MAP_CELLS, MAP_CELLS)),  # m: largest distance of a cell from the plane
     ("planes", PLANES),
 )
 
@@ -161,22 +166,24 @@ SAFE, UNSEEN, TOO_STEEP, TOO_ROUGH = range(4)
 CELL_CLASSES = ("safe", "edge", "slope", "rock")
 
 SAFETY_MAP = record(
-    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # of the list above
-    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that both limits are kept
+    ("cell_class", whole(SAFE, TOO_ROUGH, kind="i1"), (MAP_CELLS, MAP_CELLS)),  # index in CELL_CLASSES
+    ("probability", "f4", (MAP_CELLS, MAP_CELLS)),  # that slope and roughness are within limits
     ("clearance", "f4", (MAP_CELLS, MAP_CELLS)),  # m: distance from the nearest cell that is not safe
 )
 
 
 @kernel
 def chord(radius, row):
-    """Half chord, in cells, of a disc of ``radius`` cells in a ``row`` off its middle; row 0: its reach."""
+    """Half chord (cells) of a disc of ``radius`` cells in the row ``row`` cells off its middle; its reach for
+    row 0.
+    """
     return cell(sqrt(radius * radius - row * row), MAX_RADIUS + 1)[0]
 
 
 @kernel
 def add_cells(elevation_map, i, row, sign, shift, planes):
-    """Add the cells of row ``i`` of the map, which is that many a ``row`` off the middle, to the running sums
-    ``shift`` columns farther on, where they enter the footprint (``sign`` 1) or leave it (-1).
+    """Add the cells of map row ``i``, which is ``row`` rows off the middle of the footprints, to the running
+    sums ``shift`` columns farther on, where they enter (``sign`` 1) or leave (-1) the footprint.
     """
     first, end = shift, shift + MAP_CELLS
     mean, weight = elevation_map.mean[i], elevation_map.weight[i]
@@ -192,7 +199,7 @@ def add_cells(elevation_map, i, row, sign, shift, planes):
 
 @kernel
 def fit_row(elevation_map, radius, i, planes):
-    """Planes of the footprints around all cells of row ``i``, none of which reaches beyond the map."""
+    """Fit the planes of the footprints around all cells of row ``i``, which must be within the map."""
     reach = chord(radius, 0)
     for c in range(_ROW):
         planes.known[c] = planes.sum[c] = planes.east_sum[c] = planes.north_sum[c] = 0.0
@@ -220,7 +227,9 @@ def fit_row(elevation_map, radius, i, planes):
 
 @kernel
 def stray_row(elevation_map, radius, i, planes):
-    """Largest distance (m, up or down) of a cell of each footprint around row ``i`` from its plane."""
+    """Write the largest distance (m, up or down) of the cells of each footprint around row ``i`` from its
+    plane.
+    """
     reach = chord(radius, 0)
     first, last = reach, MAP_CELLS - reach
     # views that begin at the first column: an index that is never negative keeps the innermost loop short
@@ -243,8 +252,8 @@ def assess(elevation_map, radius_m, out):
 
     Args:
         elevation_map: ``ELEVATION_MAP`` record.
-        radius_m: of the footprint, m; at most ``MAX_RADIUS`` cells of it count.
-        out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where the footprint is not all known.
+        radius_m: radius of the footprint, m; limited to ``MAX_RADIUS`` cells.
+        out: ``FOOTPRINT`` record, written: ``UNKNOWN`` where a cell of the footprint is unknown.
     """
     radius = min(radius_m / elevation_map.cell, float(MAX_RADIUS))
     reach = chord(radius, 0)

@@ -1,9 +1,9 @@
-"""Site selection: the spiral search for the best safe cell outwards from the point below, and the record of
-the points chosen, which guidance and the mission read.
+"""Site selection: search for the best safe cell in rings around the point below, and the record of the chosen
+points, which guidance and the mission read.
 
-The cost of a spot is its distance, and its missing clearance and its propellant expressed in metres of
-distance.  Rings of growing distance are searched until none farther out can cost less.  Spots that the search
-passed over are remembered with the reason, one for each footprint.
+The cost of a spot is its distance plus its missing clearance and the propellant to reach it, both expressed
+in metres. Rings of growing distance are searched until none farther out can cost less. Rejected spots are
+stored with the reason, at most one for each footprint.
 
 The clearance of a cell is its distance from the nearest hazard, by the exact Euclidean distance transform:
 two passes of lower envelopes of parabolas, in time proportional to the number of cells.  Source: Felzenszwalb
@@ -19,20 +19,20 @@ from edl6dof.fsw.hazard.elevation_map import CELL_CLASSES, MAP_CELLS, SAFE, TOO_
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 
-#: Square of a distance that no two cells have.
+#: Square of a distance (cells) beyond that of any two cells.
 _FAR = 1e9
 
 ENVELOPE = record(
     ("given", "f8", (MAP_CELLS,)),  # the sampled function
-    ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # where each parabola of the envelope stands
-    ("begins", "f8", (MAP_CELLS + 1,)),  # from where on it is the lowest
+    ("apex", whole(0, MAP_CELLS - 1), (MAP_CELLS,)),  # column of the apex of each parabola of the envelope
+    ("begins", "f8", (MAP_CELLS + 1,)),  # column from which each parabola is the lowest
     ("squared", "f4", (MAP_CELLS, MAP_CELLS)),  # distance along the columns, squared
 )
 
 
 @kernel
 def along_columns(hazard, work):
-    """Squared distance (cells) to the nearest hazard of the same column."""
+    """Write the squared distance (cells) of each cell to the nearest hazard of its column."""
     for j in range(MAP_CELLS):
         last = -(10**5)
         for i in range(MAP_CELLS):
@@ -48,7 +48,9 @@ def along_columns(hazard, work):
 
 @kernel
 def lower_envelope(n, work):
-    """Parabolas of the lower envelope of those that stand on the ``n`` values given; returns how many."""
+    """Find the lower envelope of the parabolas on the ``n`` sampled values; returns the number of its
+    parabolas.
+    """
     count = 0
     work.apex[0], work.begins[0], work.begins[1] = 0, -_FAR, _FAR
     for q in range(1, n):
@@ -63,19 +65,19 @@ def lower_envelope(n, work):
 
 @kernel
 def _crossing(q, p, work):
-    """Where the parabola on ``q`` begins to lie below the one on ``p``."""
+    """Column from which the parabola on ``q`` is below that on ``p``."""
     return ((work.given[q] + q * q) - (work.given[p] + p * p)) / (2.0 * (q - p))
 
 
 @kernel
 def clearances(hazard, cell, work, out):
-    """Distance (m) of the middle of each cell from that of the nearest hazard.
+    """Write the distance (m) of the centre of each cell from that of the nearest hazard.
 
     Args:
         hazard: flags of the cells, 0 where there is none, shape (``MAP_CELLS``, ``MAP_CELLS``).
         cell: side of a cell, m.
-        work: ``ENVELOPE`` record, scratch.
-        out: distances, written, of the same shape; of a map without hazards larger than any.
+        work: ``ENVELOPE`` record, workspace.
+        out: distances, written, of the same shape; without hazards larger than any on the map.
     """
     along_columns(hazard, work)
     for i in range(MAP_CELLS):
@@ -90,7 +92,7 @@ def clearances(hazard, cell, work, out):
             out[i, j] = cell * sqrt(off * off + work.given[work.apex[k]])
 
 
-#: The points to land at that hazard detection has chosen.
+#: The landing points that hazard detection has chosen.
 LANDING_POINT = record(
     ("coarse_known", FLAG),  # coarse hazard avoidance has chosen
     ("coarse_L", "f8", (2,)),  # m, L: east and north of the landing site, above which powered descent ends
@@ -98,7 +100,7 @@ LANDING_POINT = record(
     ("fine_L", "f8", (2,)),  # m, L: east and north of the landing site, where the lander is to stand
 )
 
-#: Most spots that are remembered as passed over.
+#: Most rejected spots that are stored.
 MAX_REJECTED = 64
 
 
@@ -106,24 +108,24 @@ class ChoiceParams(Params):
     """The cost of a spot."""
 
     clearance_m: float = param(
-        2.0, "distance from the nearest unsafe spot beyond which more brings nothing", status="design", ge=0.0
+        2.0, "distance from the nearest unsafe cell beyond which more has no value", status="design", ge=0.0
     )
     clearance_worth: float = param(
-        50.0, "way (m) that a metre of clearance is worth", status="design", ge=0.0, le=1e4
+        50.0, "cost (m) of a metre of missing clearance", status="design", ge=0.0, le=1e4
     )
     propellant_worth_m: float = param(
-        5.0, "way (m) that a kilogram of propellant is worth", status="design", ge=0.0, le=1e4
+        5.0, "cost (m) of a kilogram of propellant", status="design", ge=0.0, le=1e4
     )
 
 
-#: A spot that the search passed over.
+#: A rejected spot.
 REJECTED = record(
     ("spot_L", "f8", (2,)),  # m: east and north of the landing site
     ("cell_class", whole(0, len(CELL_CLASSES) - 1)),
 )
 
 CHOICE = record(
-    ("found", FLAG),  # whether there was a safe spot
+    ("found", FLAG),  # a safe spot was found
     ("spot_L", "f8", (2,)),  # m: east and north of the landing site
     ("clearance", "f8"),  # m
     ("cost", "f8"),  # m
@@ -134,8 +136,8 @@ CHOICE = record(
 
 @kernel
 def cost_of(params, distance, clearance, speed, time, flow):
-    """Cost (m) of a spot at a ``distance`` with a ``clearance`` (m); ``speed``: with which it is flown to,
-    m/s; ``time``: that the descent takes anyway, s; ``flow``: of propellant in hover, kg/s.
+    """Cost (m) of a spot at a ``distance`` with a ``clearance`` (m); ``speed``: of the flight to the spot,
+    m/s; ``time``: of the descent without it, s; ``flow``: of propellant in hover, kg/s.
     """
     lacks = max(params.clearance - clearance, 0.0)
     propellant = flow * max(distance / speed - time, 0.0)
@@ -144,7 +146,7 @@ def cost_of(params, distance, clearance, speed, time, flow):
 
 @kernel
 def pass_over(spot_L, cell_class, apart, out):
-    """Remember a spot that is not safe, unless one so near to it is remembered already (m)."""
+    """Store a rejected spot, unless one is stored within the distance ``apart`` (m)."""
     n = out.n_rejected
     if n == MAX_REJECTED:
         return
@@ -165,9 +167,9 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
         params: choice parameters.
         elevation_map, safety_map: ``ELEVATION_MAP`` and ``SAFETY_MAP`` records.
         here_L: the point below.
-        apart: distance by which spots that are passed over and remembered differ, m.
-        speed, time, flow: as of :func:`cost_of`.
-        out: ``CHOICE`` record, written; the spot is where it was if none is safe.
+        apart: least distance between stored rejected spots, m.
+        speed, time, flow: as for :func:`cost_of`.
+        out: ``CHOICE`` record, written; the spot is unchanged if none is safe.
     """
     row, column, _ = cell_of(elevation_map, here_L[0], here_L[1])
     out.found, out.cost, out.n_rejected = 0, 1e9, 0
@@ -175,7 +177,7 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
         if ring * elevation_map.cell > out.cost:
             return
         for i in range(max(row - ring, 0), min(row + ring, MAP_CELLS - 1) + 1):
-            # of the rows between the first and the last, the two ends
+            # between the first and the last row of the ring only the two end columns
             step = 1 if abs(i - row) == ring else max(2 * ring, 1)
             for j in range(column - ring, column + ring + 1, step):
                 if j < 0 or j >= MAP_CELLS:
@@ -194,8 +196,8 @@ def choose_spot(params, elevation_map, safety_map, here_L, apart, speed, time, f
 
 @kernel
 def least_bad(elevation_map, footprint, safety_map, here_L, out):
-    """Choose, where no spot is safe, that of the least roughness among those that are not too steep, of
-    several the nearest; where none is known, the point below.
+    """Choose a spot where none is safe: the least roughness of the cells that are not too steep, of several
+    the nearest; the point below if no cell is known.
     """
     out.spot_L[0], out.spot_L[1] = here_L
     out.clearance, least = 0.0, 1e9

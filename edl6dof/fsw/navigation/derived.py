@@ -3,24 +3,24 @@
 Velocity is relative to the planet: the actual wind is not known on board, so angle of attack, sideslip, bank
 and Mach number here differ from the truth by the wind. A second angle of attack and sideslip allow for the
 mean wind that was expected before the flight; they differ from the truth by the rest of the wind, and are
-used where the vehicle is to meet the air head on.
+used where the vehicle is to be aligned with the air flow.
 
-Drag is the part of the specific force along the believed trim: the vehicle turns its trim towards the air,
-wherever that comes from, while the planet-relative velocity differs in direction by the wind over the speed.
-A projection on that velocity would count part of the lift as drag, with a sign that changes with the bank
-angle. A wrong trim angle has a small effect: lift times the difference. Lift is the part across the air of
-the expected wind, because a projection by the trim would lose drag times the difference, which is the
-information sought; it has to be filtered for the wind that was not expected.
+Drag is the component of the specific force along the air flow at the believed trim: the vehicle trims to the
+actual air flow, while the planet-relative velocity differs from it in direction by wind over speed. A
+projection on this velocity would count part of the lift as drag, with a sign that changes with the bank
+angle. An error of the trim angle has a small effect: lift times the error. Lift is the component across the
+flow in the expected wind, because a projection by the trim angle would lose drag times its error, which is
+the information wanted; users filter the effect of unexpected wind.
 
 The ratio of measured drag to that of the believed air and vehicle, and the speed, pass fading-memory filters.
-Changes by the vehicle's own motion (climb, deceleration, drag coefficient) are in the believed drag at once;
-the rest (gusts, density waves, thrusters, noise) passes a first-order filter. Where the air is as believed,
-or differs by a factor, the filtered drag is the measured one without lag. In a wind the lift does work on the
-planet-relative velocity, and none on the air-relative one: the speed that believed drag and energy are formed
-with changes by drag and gravity alone, and takes up the rest slowly. Otherwise the reference drag, a function
-of energy, would change with every change of the bank angle. Source: the fading-memory filters of density and
-lift-to-drag ratio of numerical entry guidance (Brunner & Lu 2008, eqs. 33-34; Lu 2014, section V.C); that of
-the speed is this software's.
+Changes by the motion of the vehicle (climb, deceleration, drag coefficient) are in the believed drag without
+lag; only the ratio (gusts, density waves, thrusters, noise) is filtered. Where the air is as believed, or
+differs by a factor, the filtered drag is the measured one without lag. In wind, lift changes the
+planet-relative speed, but not the air-relative one: the speed in believed drag and energy is integrated from
+drag and gravity alone, and approaches the navigated speed slowly. Otherwise the reference drag, a function of
+energy, would change with every change of the bank angle. Source: the fading-memory filters of density and
+lift-to-drag ratio of numerical entry guidance (Brunner & Lu 2008, eqs. 33-34; Lu 2014, section V.C); the
+filter of the speed: this project.
 """
 
 from __future__ import annotations
@@ -77,9 +77,9 @@ NAV = record(
     ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
     ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
     ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
-    # m/s2: measured, along the air that meets the vehicle at its trim; positive against the motion
+    # m/s2: measured, along the air flow at the believed trim; positive against the motion
     ("drag", "f8"),
-    ("lift", "f8"),  # m/s2: measured, in the vehicle's plane across the expected air, up at zero bank
+    ("lift", "f8"),  # m/s2: measured, across the flow in the expected wind, up at zero bank
     ("dynamic_pressure", "f8"),  # Pa: from the believed density and the planet-relative speed
     ("energy", "f8"),  # m2/s2: kinetic and potential energy per mass, zero at rest on the equatorial radius
     ("gravity", "f8"),  # m/s2: magnitude of mu / radius^2
@@ -110,14 +110,18 @@ def expected_wind(table, altitude):
 
 @kernel
 def drag_and_lift(force_B, alpha):
-    """Drag and lift (m/s2; up at zero bank) in a specific force at an angle of attack ``alpha`` (rad)."""
+    """Drag and lift (m/s2; lift up at zero bank) in a specific force ``force_B`` (m/s2) at the angle of
+    attack ``alpha`` (rad).
+    """
     s, c = sincos(alpha)
     return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
 
 
 @kernel
 def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
-    """Fill ``nav`` (``NAV``) from ``estimate`` with believed planet, air, vehicle and frame of the site."""
+    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``) by believed planet, air and vehicle, and the
+    frame L of the site.
+    """
     t = estimate.t
     nav.t = t
     q = take4(estimate.q_I2B)
@@ -179,10 +183,10 @@ class DragFilterParams(Params):
     """Fading memories of measured drag and speed."""
 
     time_constant_s: float = param(
-        1.0, "memory of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
+        1.0, "lag of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
     )
     speed_time_constant_s: float = param(
-        10.0, "memory of changes of speed not by drag and gravity", status="estimate", gt=0.0, le=100.0
+        10.0, "time constant of speed changes not by drag and gravity", status="estimate", gt=0.0, le=100.0
     )
     least_drag_m_s2: float = param(
         0.5, "drag below which drag and energy are as measured", status="estimate", gt=0.0

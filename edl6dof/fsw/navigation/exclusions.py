@@ -1,17 +1,19 @@
 """Exclusion of radar beams and of the star tracker as failed, and the log of all exclusions.
 
-Each look of the filter at the radar says which ranges and speeds it refused (``SOLUTION.ranges_refused``,
-``speeds_refused``).  Ranges and speeds are monitored separately: ground of an unexpected shape contradicts
-ranges, never speeds.  A look in which most beams are refused isolates none of them: then the solution is
-wrong, or dust hides the ground from all.  A score rises by one when a reading is refused and falls by one
-when it is not; at the limit the reading is excluded, and after a long agreement with the filter it is used
-again.  A beam without an echo in look after look, while most others have one, is excluded as well.
+Each use of a radar measurement by the filter, a look, reports the ranges and speeds that the filter refused
+(``SOLUTION.ranges_refused``, ``speeds_refused``). Ranges and speeds are monitored separately: terrain of an
+unexpected shape contradicts ranges, but not speeds. A look in which most beams are refused isolates no beam:
+the solution is wrong, or dust hides the ground from all beams. The score of a reading rises by one when it is
+refused and falls by one when it is not; at the limit the reading is excluded, and after a long agreement with
+the filter it is used again. A beam without an echo in many looks in a row, while most others have one, is
+excluded as well.
 
-The star tracker is excluded after a long time without a fix although it is above the air, the body turns
-slowly and the event that ends its view is still to come; the next fix brings it back.
+The star tracker is excluded after a long time without a fix although the vehicle is above the atmosphere,
+turns slowly, and the event that ends the view of the stars has not been requested; the next fix brings it
+back.
 
-The log holds, in the order of time, every instrument that goes out of use or comes back by
-``INSTRUMENT_HEALTH``, and the inertial unit while too few of its gyros are in range to give the rate.
+The log lists, in the order of time, each instrument that is excluded or used again by ``INSTRUMENT_HEALTH``,
+and the inertial unit as out of use while too few gyros are in range for the rate.
 
 Source: this project.
 """
@@ -34,15 +36,15 @@ class BeamWatchParams(Params):
 
     enabled: bool = param(True, "whether beams are excluded")
     refused_looks: int = param(
-        30, "refused less used looks of a beam at which it is excluded", ge=1, le=10000
+        30, "score of a beam, refused less used looks, at which it is excluded", ge=1, le=10000
     )
     silent_looks: int = param(
-        30, "looks in a row without an echo of it alone at which it is excluded", ge=1, le=10000
+        30, "looks in a row in which it lacks the echo that most beams have", ge=1, le=10000
     )  # fmt: skip
     silent_angle_deg: float = param(
         45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
     )
-    agreed_looks: int = param(100, "looks in a row in which it must agree to be used again", ge=1, le=10000)
+    agreed_looks: int = param(100, "looks in a row that agree before a beam is used again", ge=1, le=10000)
 
 
 _SCORES = record(
@@ -67,7 +69,7 @@ def watch_beams(params, instruments, radar, solution, health, memory):
 
 @kernel
 def steep_beams(params, instruments, solution):
-    """Bits of the beams that meet the ground so steeply that they must have an echo."""
+    """Bits of the beams steep enough to the ground that an echo is expected."""
     q = take4(solution.q_I2B)
     down = to_frame(q, scale(-1.0, unit(take3(solution.r_I, 0))))
     least, bits = cos(params.silent_angle), 0
@@ -79,8 +81,8 @@ def steep_beams(params, instruments, solution):
 
 @kernel
 def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
-    """Exclude ranges or speeds, or use them again. ``locked``, ``due`` (those that must have an echo) and
-    ``refused`` have a bit for each beam; ``healthy`` holds flags.
+    """Exclude ranges or speeds, or use them again. ``locked``: beams with an echo, ``due``: beams with an
+    expected echo, ``refused``: beams refused by the filter, a bit for each; ``healthy``: flags, updated.
     """
     echoes = against = 0
     for i in range(n_beams):
@@ -105,17 +107,17 @@ def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
             healthy[i] = 1
 
 
-#: Share of the largest rate of the star tracker up to which it must have a fix.
+#: Body rate, over the largest rate of the star tracker, up to which a fix is expected.
 _SLOWLY = 0.8
 
 
 class StarWatchParams(Params):
     """Exclusion of the star tracker."""
 
-    enabled: bool = param(True, "whether it is excluded")
-    patience_s: float = param(2.0, "time without a fix, though there should be one", gt=0.0, le=1e4)
+    enabled: bool = param(True, "whether the star tracker is excluded")
+    patience_s: float = param(2.0, "time without an expected fix at which it is excluded", gt=0.0, le=1e4)
     margin_m: float = param(
-        500.0, "how far above the lowest altitude at which it sees stars it must do so", ge=0.0, le=1e6
+        500.0, "margin above the lowest altitude of star fixes from which one is expected", ge=0.0, le=1e6
     )
 
 
@@ -124,8 +126,8 @@ STAR_WATCH = record(("without", "f8"))  # s: duration without an expected fix
 
 @kernel
 def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
-    """Exclude the star tracker, or use it again, after a cycle of ``motion``; ``requested``: a flag for each
-    event of the mission that was requested.
+    """Exclude the star tracker, or use it again, after the cycle of ``motion``; ``requested``: flags of the
+    events of the mission that have been requested.
     """
     if params.enabled == 0 or instruments.star_sigma == 0.0:
         return
@@ -148,13 +150,13 @@ ACCELEROMETERS = GYROS + MAX_GYROS
 BEAMS = ACCELEROMETERS + MAX_ACCELEROMETERS
 STAR_TRACKER = BEAMS + MAX_BEAMS
 INERTIAL_UNIT = STAR_TRACKER + 1
-#: Changes that the log holds.
+#: Capacity of the log.
 MAX_CHANGES = 32
 
 CHANGE = record(
     ("t", "f8"),  # s, flight time
     ("number", whole(0, INERTIAL_UNIT)),  # of the instrument that changed
-    ("back", FLAG),  # 0: it went out of use; 1: it came back
+    ("back", FLAG),  # 0: excluded; 1: used again
 )
 EXCLUSIONS = record(
     ("out", FLAG, (INERTIAL_UNIT + 1,)),  # instruments out of use

@@ -1,27 +1,27 @@
 """Rotation of the body while too few gyros are within their range, and smoothing of such a gap afterwards.
 
-Bridge: the accelerometers still measure, and their readings give the torque: under a parachute the riser
-pulls at a known point of a body of known mass, centre and inertia. The rate follows from Euler's equations
-with the pull m f at that point, and without torque where nothing pulls. The unit, l off the centre, reads f
-and w' x l + w x (w x l) together: one linear equation for w'. When the gyros are back in range they show the
-error of the rate. A torque in proportion to the force, as of a pull off the believed centre of mass, makes an
-angle error in proportion to that rate error; a rough correction is added at once. Left out: torque of air and
-thrusters, except for the part that grows in the same way.
+Bridge: the torque follows from the accelerometers: under a parachute the riser pulls at a known point of a
+body of known mass, centre and inertia. The rate w follows from Euler's equations with the force m f (f:
+specific force) at that point, and without torque where nothing pulls. The unit, at l from the centre of mass,
+reads f + w' x l + w x (w x l): a linear equation for w'. When the gyros are back in range they show the error
+of the rate. A torque error proportional to the force, as by a wrong centre of mass, causes an angle error
+proportional to the rate error; this rough correction is added at once. Left out: torque of air and thrusters,
+except for the part that grows in the same way.
 
-Smoothing: half a second before the gap and a little after it the gyros show by how much the angular
-acceleration differs from that of the riser alone. For pitch and yaw each, the difference is fitted by
+Smoothing: for half a second before and a short time after the gap the gyros show the difference of the
+angular acceleration from that by the riser alone. For pitch and yaw each, this difference is fitted by
 
     a f_x + b f_lateral + c + d s + e 6 s (1 - s),
 
-with f the specific force and s the time over the gap: the pull off the believed centre of mass, a wrong
-inertia or arm, and the torque of the air, which goes from one side to the other and may bulge in between. The
-rate error at the end of the gap is one more equation, which mostly determines the bulge. The fit, integrated
-twice over the gap in the axes of the rotating body, is the missing angle; the correction that was added at
-the end of the gap is taken off. Left out: roll, about which nothing pulls; the velocity error due to the
-wrong attitude, which the radar corrects.
+with f the specific force and s the time over the gap: the terms are the riser pull off the believed centre of
+mass, a wrong inertia or arm, and the torque of the air, linear in time with a bulge in between. The rate
+error at the end of the gap is one more equation, which mostly determines the bulge. The missing angle is the
+fit, integrated twice over the gap in the axes of the rotating body, less the correction that was added at the
+end of the gap. Left out: roll, about which nothing pulls; the velocity error due to the wrong attitude, which
+the radar corrects.
 
-Source: this project; Euler's equations; a vector and one product: Sherman and Morrison 1950; least squares
-with prior: Gelb, Applied Optimal Estimation (1974), section 4.
+Source: this project; Euler's equations; linear equation: Sherman and Morrison 1950; least squares with prior:
+Gelb, Applied Optimal Estimation (1974), section 4.
 """
 
 from __future__ import annotations
@@ -32,24 +32,24 @@ from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, clamp, cross, dot, norm, put3, put4, scale, sub, take3, take4
 
-#: Force (m/s2) whose pull would give as much torque as air and thrusters do.
+#: Specific force (m/s2) of a riser pull with the same torque as air and thrusters.
 _OTHER = 2.0
 
 RATE_BRIDGE = record(
-    ("push", "f8"),  # m/s: integral of the force over the gap; 0 while the rate is known
-    ("reach", "f8"),  # m: integral of that
+    ("push", "f8"),  # m/s: integral of the specific force over the gap; 0 while the rate is known
+    ("reach", "f8"),  # m: integral of push
     ("added", "f8", (3,)),  # rad, B: correction of the angle after the last gap
 )
 
 
 @kernel
 def acceleration_of(body, lever, force, rate):
-    """Angular acceleration, rad/s2, B.
+    """Angular acceleration (rad/s2, B) by the pull of the riser.
 
     Args:
-        body: believed configuration: ``mass``, ``centre``, ``inertia`` (principal) and ``hung_at``.
+        body: believed ``CONFIGURATION`` record.
         lever: from the centre of mass to the accelerometers, m, B.
-        force, rate: reading of the accelerometers, m/s2, B; rad/s, B.
+        force, rate: reading of the accelerometers, m/s2, B; body rate, rad/s, B.
     """
     arm, m = sub(take3(body.hung_at, 0), take3(body.centre, 0)), body.mass
     a, b, c = take3(body.inertia, 0)
@@ -65,11 +65,11 @@ def acceleration_of(body, lever, force, rate):
 
 @kernel
 def bridge_rate(body, lever, gain, most, dt, memory, motion):
-    """Fill angle and rate of ``motion`` (``MOTION``), which holds those of the cycle before, from the
-    velocity ``gain`` (m/s, B) that the accelerometers counted in this cycle.
+    """Propagate angle and rate of ``motion`` (``MOTION``) from the last cycle, by the velocity ``gain`` (m/s,
+    B) that the accelerometers measured in this cycle.
 
     Each component of the rate is limited to ``most`` (rad/s): the centripetal part of the reading grows with
-    its square, and a wrong rate would diverge.
+    the square of the rate, and a wrong rate would diverge.
     """
     force = scale(1.0 / dt, gain)
     rate = take3(motion.rate, 0)
@@ -83,8 +83,8 @@ def bridge_rate(body, lever, gain, most, dt, memory, motion):
 
 @kernel
 def end_bridge(body, lever, gain, most, dt, rate_before, memory, motion):
-    """Correct the angle of ``motion``, which the gyros read again, for the error of the bridged angle;
-    ``rate_before`` is the last bridged rate.
+    """Correct the angle of ``motion``, which is again measured by the gyros, for the error of the bridged
+    angle; ``rate_before``: last bridged rate (rad/s, B).
     """
     angle, rate = take3(motion.angle, 0), take3(motion.rate, 0)
     put3(motion.rate, 0, rate_before)
@@ -96,22 +96,23 @@ def end_bridge(body, lever, gain, most, dt, rate_before, memory, motion):
     memory.push = memory.reach = 0.0
 
 
-#: Cycles before and after the gap that are fitted, and all that are kept.
+#: Cycles before and after the gap in the fit, and capacity of the ring.
 BEFORE, AFTER, KEPT = 25, 15, 256
 UNKNOWNS = 5
-#: Expected a (1/m), b (1/m), c, d, e (rad/s2), one standard deviation each: a centre of mass 6 mm
-#: off, a sixth of the believed lever, the torque of the air at the opening.
+#: Standard deviations of a (1/m), b (1/m), c, d, e (rad/s2): an error of 6 mm of the centre of mass, of a
+#: sixth of the lever, the torque of the air at the opening of the parachute.
 _EXPECTED = (0.01, 0.6, 0.2, 0.2, 0.1)
-#: Standard deviation of the remainder of the fit: of a cycle, rad/s2, and of the rate after the gap, rad/s.
+#: Standard deviation of the residual of the fit in a cycle, rad/s2, and of the rate error after the gap,
+#: rad/s.
 _SCATTER, _RATE = 0.087, 0.001
 #: Largest correction (rad): the method is made for degrees.
 _LARGEST = 1.0
 
 GAP_SMOOTHING = record(
-    ("kept", COUNT),  # cycles kept since the riser pulls
-    ("gap", COUNT),  # of them without gyros; 0: no gap to smooth
-    ("after", COUNT),  # from their return on
-    ("hung", FLAG),  # whether a riser pulls
+    ("kept", COUNT),  # cycles stored since the riser pulls
+    ("gap", COUNT),  # cycles of the gap; 0: no gap to smooth
+    ("after", COUNT),  # cycles after the gap
+    ("hung", FLAG),  # a riser pulls
     ("rate", "f8", (3,)),  # rad/s, B: at the end of the last cycle
     ("dt", "f8", (KEPT,)),  # s
     ("turning", "f8", (KEPT, 3)),  # rad/s, B: mean rate, as bridged
@@ -132,8 +133,8 @@ def smooth_gap(body, lever, inertial, motion, memory, solution):
     Args:
         body: believed configuration of the vehicle.
         lever: from the centre of mass to the accelerometers, m, B.
-        inertial: ``INERTIAL_MEMORY`` record: their reading, and the correction at the end of the bridge.
-        motion, solution: ``MOTION`` and ``SOLUTION`` records; the latter is updated.
+        inertial: ``INERTIAL_MEMORY`` record: velocity gain, and correction at the end of the bridge.
+        motion, solution: ``MOTION`` record; ``SOLUTION`` record, updated.
         memory: ``GAP_SMOOTHING`` record, updated.
     """
     hung = 1 if norm(sub(take3(body.hung_at, 0), take3(body.centre, 0))) > 0.0 else 0
@@ -153,7 +154,7 @@ def smooth_gap(body, lever, inertial, motion, memory, solution):
 
 @kernel
 def _record_cycle(body, lever, gain, motion, memory):
-    """Write a cycle into the ring; ``gain`` (m/s, B) is taken at the accelerometers, as by the bridge."""
+    """Store a cycle in the ring; ``gain``: velocity gained at the accelerometers (m/s, B)."""
     row = memory.kept % KEPT
     memory.kept += 1
     force = scale(1.0 / motion.dt, gain)
@@ -168,7 +169,7 @@ def _record_cycle(body, lever, gain, motion, memory):
 
 @kernel
 def _follow_gap(body, lever, bridge, memory, solution):
-    """Note the return of the gyros, and correct the attitude once enough cycles have followed it."""
+    """Store the errors at the end of the gap, and correct the attitude after enough further cycles."""
     if memory.after == 0:
         last = (memory.kept - 1) % KEPT
         for i in range(3):
@@ -203,8 +204,8 @@ def _correct_attitude(body, lever, memory, solution):
 
 @kernel
 def _fit(axis, lateral, length, memory):
-    """Fit a to e about an ``axis`` of B over a gap of ``length`` s; ``lateral``: axis of the force that acts
-    about it by its lever.
+    """Fit a to e for the rotation about ``axis`` (index in B) over a gap of ``length`` s; ``lateral``: index
+    of the lateral force that causes torque about it.
     """
     ends = memory.kept - memory.after
     begins = ends - memory.gap
@@ -234,8 +235,8 @@ def _fit(axis, lateral, length, memory):
 
 @kernel
 def _missing_angle(body, lever, begins, length, memory):
-    """Angle (rad, B) missing at the end of the gap by the fit; the rate error that remains there is taken to
-    have grown evenly.
+    """Angle (rad, B) missing at the end of the gap by the fit; the remaining rate error is assumed to have
+    grown evenly.
     """
     rate, angle = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     at = 0.0
@@ -256,21 +257,21 @@ def _missing_angle(body, lever, begins, length, memory):
         angle = add(angle, scale(dt, sub(rate, cross(turning, angle))))
         rate = add(rate, half)
         at += dt
-    # the cycle after the gap is in the rate error, and not in the gap
+    # the rate error includes the cycle after the gap
     off = scale(length / (length + memory.dt[begins % KEPT]), take3(memory.off, 0))
     return add(angle, scale(0.5 * length, sub(off, rate)))
 
 
 @kernel
 def _terms(s, force, lateral):
-    """The five terms at the share ``s`` of the gap; the bulge is zero outside the gap."""
+    """The five terms of the fit at the share ``s`` of the gap; the bulge is zero outside the gap."""
     bulge = 6.0 * s * (1.0 - s) if 0.0 < s < 1.0 else 0.0
     return force, lateral, 1.0, s - 0.5, bulge
 
 
 @kernel
 def _times(found, terms):
-    """Sum of the terms times their coefficients."""
+    """Sum of the products of coefficients and terms."""
     total = 0.0
     for i in range(UNKNOWNS):
         total += found[i] * terms[i]
@@ -301,7 +302,9 @@ def _add_equation(terms, value, sigma, equations):
 
 @kernel
 def _solve(equations):
-    """Solve a positive definite system without pivoting; its last column holds the solution."""
+    """Solve a positive definite system without pivoting, in place; its last column is the right-hand side,
+    then the solution.
+    """
     for k in range(UNKNOWNS):
         for j in range(k + 1, UNKNOWNS + 1):
             equations[k, j] /= equations[k, k]

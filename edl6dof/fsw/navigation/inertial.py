@@ -20,27 +20,28 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.vector import add, cross, norm, put3, scale, sub, take3
 
-#: Largest rate while it is bridged, over the range of the gyros.
+#: Largest bridged rate, over the range of the gyros.
 MOST = 2.0
 
 #: Memory of the processing of the inertial unit.
 INERTIAL_MEMORY = record(
     ("t", "f8"),  # s, flight time of the last reading
-    ("first", "f8"),  # s, flight time of the first one
-    ("begun", FLAG),  # whether there was one
+    ("first", "f8"),  # s, flight time of the first reading
+    ("begun", FLAG),  # there was a reading
     ("gyros", REDUNDANT),
     ("accelerometers", REDUNDANT),
     ("gyro_parity", PARITY),
     ("accelerometer_parity", PARITY),
     ("rate_bridge", RATE_BRIDGE),
-    ("gain", "f8", (3,)),  # m/s, B: velocity gained where the unit sits, in the last cycle
+    ("gain", "f8", (3,)),  # m/s, B: velocity gained at the unit in the last cycle
 )
 
 
 @kernel
 def take_reading(instruments, t, inertial, memory):
-    """Take the increments from the counts of the ``inertial`` unit that arrive at ``t``; returns the time (s)
-    between this reading and the last one: 0 at the start, while the delayed unit repeats its first reading.
+    """Compute the increments from the counts of the ``inertial`` unit that arrive at ``t`` (s). Returns the
+    time (s) between the last reading and this one: 0 at the start, while the delayed unit repeats its first
+    reading.
     """
     if memory.begun == 0:
         memory.begun, memory.first, memory.t = 1, t, t
@@ -58,7 +59,7 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
     Args:
         params: ``NavigationParams`` record.
         instruments, body: ``INSTRUMENTS`` record; believed configuration of the vehicle.
-        inertial, solution: ``INERTIAL`` record; ``SOLUTION`` record, of which the biases are used.
+        inertial, solution: ``INERTIAL`` record; ``SOLUTION`` record with the estimated biases.
         health, memory: ``INSTRUMENT_HEALTH`` and ``INERTIAL_MEMORY`` records, updated.
     """
     put3(motion.last_angle, 0, take3(motion.angle, 0))
@@ -86,7 +87,9 @@ def read_motion(params, instruments, body, dt, inertial, solution, health, memor
 
 @kernel
 def _force(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Velocity gained at the unit (m/s, B); that of the cycle before while too few accelerometers work."""
+    """Velocity gained at the unit (m/s, B); that of the last cycle while too few accelerometers are
+    usable.
+    """
     axis, number = instruments.accelerometer_axis, instruments.n_accelerometers
     redundant = memory.accelerometers
     in_use = usable(number, health.accelerometer, inertial.accelerometer_saturated)
@@ -126,7 +129,9 @@ def _force(params, instruments, dt, inertial, solution, health, memory, motion):
 
 @kernel
 def _rotation(params, instruments, dt, inertial, solution, health, memory, motion):
-    """Write angle turned and rate at the end of the cycle into ``motion``, if enough gyros are usable."""
+    """Write the rotation angle of the cycle and the rate at its end into ``motion``, if enough gyros are
+    usable.
+    """
     axis, number, redundant = instruments.gyro_axis, instruments.n_gyros, memory.gyros
     in_use = usable_gyros(
         params.saturation, instruments, dt, healthy=health.gyro, inertial=inertial, redundant=redundant
@@ -165,7 +170,7 @@ def _rotation(params, instruments, dt, inertial, solution, health, memory, motio
 
 @kernel
 def _choose(params, axis, number, in_use, redundant, parity):
-    """Use the set ``in_use`` of instruments."""
+    """Prepare the least squares for the set ``in_use`` of instruments (bits), if it is another."""
     if in_use != redundant.in_use:
         prepare(axis, number, in_use, redundant)
         restart_parity_test(params, redundant.n_parity, parity)
@@ -173,11 +178,12 @@ def _choose(params, axis, number, in_use, redundant, parity):
 
 @kernel
 def _combine(params, axis, number, new, lasting, relative, dt, redundant, parity):
-    """Combine the increments by least squares. Returns the vector, the instrument left out of it and the one
-    found to have failed.
+    """Combine the increments by least squares. Returns the vector, the instrument left out of it, and the
+    instrument found to have failed.
 
-    ``new``, ``lasting``: variances of an increment, from noise and from what stays from cycle to cycle;
-    ``relative``: standard deviation of the latter in proportion to the motion.
+    ``new``, ``lasting``: variances of an increment by noise, and by errors that are constant from cycle to
+    cycle; ``relative``: standard deviation of constant errors that are proportional to the motion, over the
+    motion.
     """
     vector = least_squares(redundant, number, redundant.increment)
     if params.enabled == 0:

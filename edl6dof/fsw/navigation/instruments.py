@@ -9,30 +9,30 @@ from edl6dof.records import record
 #: Standard deviations are those of one instrument.
 INSTRUMENTS = record(
     # inertial unit
-    ("unit_position", "f8", (3,)),  # m, B: where it sits
+    ("unit_position", "f8", (3,)),  # m, B
     ("unit_delay", "f8"),  # s: age of a reading when it arrives
     ("gyro_axis", "f8", (MAX_GYROS, 3)),  # B: unit vectors
     ("n_gyros", "i8"),
     ("gyro_range", "f8"),  # rad/s
     ("gyro_noise", "f8"),  # rad/sqrt(s): angle random walk
-    ("gyro_step", "f8"),  # rad: what one count stands for
+    ("gyro_step", "f8"),  # rad: value of one count
     ("gyro_bias", "f8"),  # rad/s: standard deviation at the start
     ("gyro_bias_walk", "f8"),  # rad/s/sqrt(s)
-    ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, of the rate
+    ("gyro_scale", "f8"),  # standard deviation of scale factor and misalignment, over the rate
     ("accelerometer_axis", "f8", (MAX_ACCELEROMETERS, 3)),  # B: unit vectors
     ("n_accelerometers", "i8"),
     ("accelerometer_range", "f8"),  # m/s2
     ("accelerometer_noise", "f8"),  # m/s/sqrt(s): velocity random walk
-    ("accelerometer_step", "f8"),  # m/s: what one count stands for
+    ("accelerometer_step", "f8"),  # m/s: value of one count
     ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
     ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
-    ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, of the force
+    ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, over the force
     # star tracker
     ("star_sigma", "f8"),  # rad, about each axis: noise of a fix
-    ("star_bias", "f8"),  # rad, B, about each axis: what all fixes share
+    ("star_bias", "f8"),  # rad, B, about each axis: error common to all fixes
     ("star_lowest", "f8"),  # m: altitude below which it sees no stars
-    ("star_rate", "f8"),  # rad/s: largest rate at which it sees them
-    ("star_until", "i8"),  # number of the event after which it sees none, counted from one; zero: of none
+    ("star_rate", "f8"),  # rad/s: largest rate at which it sees stars
+    ("star_until", "i8"),  # number of the event, from one, after which it sees no stars; zero: none
     # ground tracking
     ("tracking_position_sigma", "f8", (3,)),  # m, I: of the state sent up, about each axis
     ("tracking_velocity_sigma", "f8", (3,)),  # m/s, I: of the state sent up, about each axis
@@ -45,10 +45,10 @@ INSTRUMENTS = record(
     ("range_sigma_relative", "f8"),  # of the range, added to it
     ("speed_sigma", "f8"),  # m/s
     ("speed_sigma_relative", "f8"),  # of the speed along the beam, added to it
-    # what does not change from one reading of the radar to the next
-    ("range_bias", "f8"),  # m, of each beam by itself
-    ("range_scale", "f8"),  # of the range, of each beam by itself
-    ("speed_scale", "f8"),  # of the speed, of each beam by itself
+    # constant errors of the radar, each beam with its own
+    ("range_bias", "f8"),  # m
+    ("range_scale", "f8"),  # of the range
+    ("speed_scale", "f8"),  # of the speed
     ("imagers", IMAGERS),  # landing camera, lidar and stereo cameras
     # flow meter of a propellant branch; shares of the branch's full flow
     ("flow_scale_sigma", "f8"),  # of the flow

@@ -1,12 +1,11 @@
-"""Integrity checks: whether height, velocity and vertical of the solution can be true.
+"""Integrity checks of height, velocity and vertical of the solution.
 
-There are four checks, each with a switch. The height lies below the ground though no footpad touches it; the
-height jumps by more than its own uncertainty against the velocity; the speed contradicts the beams of the
-radar; beams have an echo although, by the attitude, they point above the horizon. A height that jumps is
-withheld for a while: the output is the last plausible one, propagated with the vertical velocity. By the
-other checks the attitude counts as lost until the vertical is found again (:mod:`.recovery`); meanwhile the
-output is the height by the echoes with x of B straight down, or, as long as there is none, at least the
-height from which the radar sees the ground.
+Four checks, each with a switch, detect: a height below the ground while no footpad touches it; a jump of the
+height, relative to the vertical velocity, beyond its uncertainty; a speed that contradicts the radar beams;
+echoes of beams that, by the attitude, point above the horizon. A height that jumps is withheld for some time:
+the output is the last plausible height, propagated with the vertical velocity. If another check fails, the
+attitude counts as lost until the vertical is found again (:mod:`.recovery`); meanwhile the output is the
+height by the echoes for x of B straight down, or, before the first echo, at least the ceiling of the radar.
 
 Source: T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017): a
 saturated gyro turned the attitude over, a negative height followed, and the parachute was released in 3.7 km.
@@ -28,7 +27,7 @@ from edl6dof.spatial.vector import dot, norm, take3, take4
 BELOW_GROUND, JUMP, SPEED, ABOVE_HORIZON = 1, 2, 4, 8
 #: Message of each failed check, in the order of the bits.
 CHECKS = ("height below ground", "height jumps", "speed against the beams", "echo from above the horizon")
-#: Straight down for a vehicle that hangs upright, B.
+#: Direction of the vertical down for a vehicle that hangs upright, B.
 _HANGING = (1.0, 0.0, 0.0)
 
 
@@ -37,13 +36,13 @@ class GuardParams(Params):
 
     below_ground: bool = param(True, "whether a height below the ground starts the recovery of the vertical")
     jump: bool = param(True, "whether a height that jumps against the velocity is withheld")
-    speed: bool = param(True, "whether a speed that contradicts the beams starts it")
-    vertical: bool = param(True, "whether an echo from above the horizon starts it")
+    speed: bool = param(True, "whether a speed that contradicts the beams starts the recovery")
+    vertical: bool = param(True, "whether echoes from above the horizon start the recovery")
     margin_m: float = param(
         10.0, "margin of the height: below the ground, and against the expected height", gt=0.0, le=1e4
     )
     speed_margin_m_s: float = param(20.0, "margin of the speed against that of the beams", gt=0.0, le=1e4)
-    sigmas: float = param(5.0, "further margin of both, in standard deviations", gt=0.0, le=100.0)
+    sigmas: float = param(5.0, "further margin of height and speed, in standard deviations", gt=0.0, le=100.0)
     patience_s: float = param(3.0, "time for which a height that jumps is withheld", ge=0.0, le=100.0)
     looks: int = param(5, "looks of the radar in a row that must contradict the speed", ge=1, le=1000)
     horizon_deg: float = param(10.0, "least angle of a beam below the horizon", ge=0.0, le=90.0)
@@ -52,11 +51,11 @@ class GuardParams(Params):
 INTEGRITY = record(
     ("failed", whole(0, 2 ** len(CHECKS) - 1)),  # checks failed in this cycle
     ("first_t", "f8", (len(CHECKS),)),  # s, flight time: when each failed first; 0: never
-    ("begun", FLAG),  # a height was output
-    ("height", "f8"),  # m: last output
-    ("sigma", "f8"),  # m: standard deviation of it by the filter
-    ("withheld", "f8"),  # s: duration of a withheld height
-    ("held", "f8"),  # m: output while the attitude is lost
+    ("begun", FLAG),  # there was an output
+    ("height", "f8"),  # m: last output height
+    ("sigma", "f8"),  # m: standard deviation of the last height
+    ("withheld", "f8"),  # s: time for which the height has been withheld
+    ("held", "f8"),  # m: output height while the attitude is lost
     ("looks", COUNT),  # looks of the radar in a row that contradicted the speed
 )
 
@@ -72,8 +71,8 @@ def height_and_climb(planet, site, r, v, terrain):
 
 @kernel
 def plausible_height(params, height, climb, sigma, contact, dt, memory):
-    """Height (m) to output in a cycle of ``dt`` seconds in which the solution gives ``height``, ``climb``
-    (m/s) and ``sigma`` (m); ``contact``: whether a footpad touches the ground.
+    """Return the height (m) to output; ``height`` (m), ``climb`` (m/s) and ``sigma`` (m): of the solution;
+    ``contact``: whether a footpad touches the ground; ``dt``: of the cycle (s).
     """
     memory.failed = 0
     expected = memory.height + climb * dt if memory.begun != 0 else height
@@ -94,7 +93,9 @@ def plausible_height(params, height, climb, sigma, contact, dt, memory):
 
 @kernel
 def beams_contradict_speed(params, instruments, health, radar, speed, sigma, memory):
-    """Test whether the beams have contradicted ``speed`` (m/s, ``sigma``) for several looks in a row."""
+    """Return whether the beams have contradicted ``speed`` (m/s; ``sigma``: its standard deviation) in
+    several looks in a row.
+    """
     velocity, seen = velocity_from_beams(instruments, health, radar)
     if seen:
         off = abs(norm(velocity) - speed) > params.speed_margin + params.sigmas * sigma
@@ -104,7 +105,7 @@ def beams_contradict_speed(params, instruments, health, radar, speed, sigma, mem
 
 @kernel
 def beams_contradict_vertical(params, instruments, radar, q, up):
-    """Test whether at least two beams have an echo although, by the attitude ``q``, they point less than
+    """Return whether at least two beams have an echo although, by the attitude ``q``, they point less than
     ``params.horizon`` below the horizon; ``up``: unit vector, I. A single such beam may have failed.
     """
     if radar.fresh == 0:
@@ -118,12 +119,13 @@ def beams_contradict_vertical(params, instruments, radar, q, up):
 
 @kernel
 def check_solution(params, instruments, health, sensed, speed, sigma, q, up, memory, recovery):
-    """Complete the checks, note the first failure of each, and declare the attitude lost where one fails.
+    """Check speed and vertical, store the time of the first failure of each check, and declare the attitude
+    lost where a check fails.
 
     Args:
         params, instruments, health, sensed: ``GuardParams``, ``INSTRUMENTS``, ``INSTRUMENT_HEALTH`` and
             ``SENSED`` records.
-        speed, sigma: relative to the planet and its standard deviation, m/s.
+        speed, sigma: planet-relative speed and its standard deviation, m/s.
         q, up: attitude ``q_I2B``; unit vector, I.
         memory, recovery: ``INTEGRITY`` and ``RECOVERY`` records, updated.
     """
@@ -144,7 +146,7 @@ def check_solution(params, instruments, health, sensed, speed, sigma, q, up, mem
 
 @kernel
 def height_while_lost(instruments, health, radar, memory):
-    """Height (m) to output while the attitude is lost."""
+    """Return the height (m) to output while the attitude is lost."""
     if radar.fresh != 0:
         seen = height_from_beams(instruments, health, radar, _HANGING)
         if seen > 0.0:
@@ -155,7 +157,7 @@ def height_while_lost(instruments, health, radar, memory):
 
 @kernel
 def check_integrity(onboard, sensed, memory, estimate):
-    """Set a plausible height of ``estimate``; start the recovery where the solution cannot be true."""
+    """Set the height of ``estimate`` to a plausible one; start the recovery where a check fails."""
     params, solution, instruments = onboard.navigation.guards, memory.solution, onboard.instruments
     r, v = take3(estimate.r_I, 0), take3(estimate.v_I, 0)
     height, climb, up = height_and_climb(onboard.planet, onboard.site, r, v, solution.terrain)

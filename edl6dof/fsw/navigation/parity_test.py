@@ -1,13 +1,13 @@
 """Parity-space test of redundant instruments: detects that one has failed, and isolates it.
 
-Two tests run in every cycle.  The fast one compares the parity vector p of the cycle: p'p / sigma^2 against
-the chi-square limit.  The slow one does the same with its low-passed rate, in which noise is small and a
-small bias or drift is not.  Sigma is the expected error of one instrument: noise, and what stays from cycle
-to cycle (bias, and scale factor and misalignment in proportion to the motion, so that a fast turn raises no
-alarm; the vibration of the whole unit is motion that all axes read, and does not show in p).
-The suspect is the instrument with the largest (p.v)^2 / |v|^2, v its column of V.  It is left out of the
-cycle at once, and excluded for good when the test has pointed at it for several cycles in a row.  With one
-instrument beyond three a fault is detected but not isolated: isolation takes two.
+Two tests run in every cycle. The fast test compares p'p / sigma^2, with the parity vector p of the cycle, to
+the chi-square limit. The slow test uses low-passed p over the cycle time, in which noise is reduced and a
+small bias or drift is not. Sigma is the expected error of one instrument: noise, and errors that are constant
+from cycle to cycle (bias; scale factor and misalignment, proportional to the motion, so that a fast turn
+causes no alarm). Vibration of the whole unit is measured by all axes, and does not contribute to p. The
+suspect is the instrument with the largest (p.v)^2 / |v|^2, v its column of V. It is left out of the cycle at
+once, and excluded for good when it has been the suspect for several cycles in a row. With four instruments a
+fault is detected but not isolated: isolation needs five.
 
 Sources: Potter and Deckert 1973 (see :mod:`.redundancy`); isolation as Daly, Gai and Harrison, Generalized
 likelihood test for FDI in redundant sensor configurations, J. Guidance and Control 2(1), 1979; chi-square:
@@ -31,42 +31,42 @@ NONE = -1
 class ParityParams(Params):
     """Fault detection of redundant gyros and accelerometers."""
 
-    enabled: bool = param(True, "whether they are tested and excluded")
+    enabled: bool = param(True, "whether instruments are tested and excluded")
     false_alarm: float = param(
         1e-10, "probability that one test of healthy instruments exceeds its limit", gt=1e-100, lt=0.5
     )
     persistence_cycles: int = param(
-        5, "tests of one cycle in a row that must point at the same instrument", ge=1, le=1000
+        5, "fast tests in a row with the same suspect that exclude it", ge=1, le=1000
     )
     window_s: float = param(10.0, "time constant of the low-passed parity vector", gt=0.0, le=1000.0)
     slow_persistence_cycles: int = param(
-        25, "tests of the low-passed vector in a row that must point at the same instrument", ge=1, le=10000
+        25, "slow tests in a row with the same suspect that exclude it", ge=1, le=10000
     )
     flag_patience_s: float = param(
-        2.0, "time for which the flag of saturation of one may contradict the motion", ge=0.0, le=1000.0
+        2.0, "time for which a saturation flag may contradict the motion", ge=0.0, le=1000.0
     )
 
 
-#: Fast or slow test: the suspect, and for how many cycles in a row.
+#: State of the fast or slow test.
 PARITY_STATE = record(
     ("statistic", "f8"),  # p'p / sigma^2
     ("suspect", whole(NONE, MAX_AXES - 1)),  # index of the instrument
-    ("seen", COUNT),  # cycles in a row
+    ("seen", COUNT),  # cycles in a row with this suspect
 )
 PARITY = record(
-    ("limit", "f8"),  # of both statistics
+    ("limit", "f8"),  # chi-square limit of both statistics
     ("vector", "f8", (MAX_PARITY,)),  # p of this cycle, in the unit of a count
-    ("mean", "f8", (MAX_PARITY,)),  # p by time, low-passed, in that unit a second
-    ("mean_variance", "f8"),  # of it, for one instrument: from noise
-    ("mean_lasting", "f8"),  # standard deviation from what stays from cycle to cycle
-    ("fast", PARITY_STATE),  # at the vector of the cycle
-    ("slow", PARITY_STATE),  # at its mean
+    ("mean", "f8", (MAX_PARITY,)),  # p over the cycle time, low-passed, 1/s
+    ("mean_variance", "f8"),  # variance of the mean by the noise of one instrument
+    ("mean_lasting", "f8"),  # standard deviation of the mean by constant errors
+    ("fast", PARITY_STATE),
+    ("slow", PARITY_STATE),
 )
 
 
 @kernel
 def restart_parity_test(params, n_parity, memory):
-    """Restart both tests for another set of instruments."""
+    """Restart both tests, for another set of instruments."""
     memory.limit = chi_square_limit(max(n_parity, 1), params.false_alarm)
     memory.mean_variance = memory.mean_lasting = 0.0
     for k in range(MAX_PARITY):
@@ -78,8 +78,8 @@ def restart_parity_test(params, n_parity, memory):
 @kernel
 def parity_test(params, new, lasting, dt, redundant, number, memory):
     """Run both tests on the increments of a cycle of ``dt`` seconds; ``new`` and ``lasting``: variances of an
-    increment, from noise and from errors that stay. Returns the instrument to leave out of the cycle and the
-    one to exclude for good (``NONE``: none).
+    increment by noise, and by constant errors. Returns the instrument to leave out of the cycle and the one
+    to exclude for good (``NONE``: none).
     """
     if redundant.n_parity == 0:
         return NONE, NONE
@@ -119,7 +119,7 @@ def _point_at(limit, vector, redundant, number, test):
 
 @kernel
 def isolate(vector, redundant, number):
-    """Instrument whose failure alone explains most of a parity vector."""
+    """Return the instrument whose failure alone explains most of a parity vector."""
     found, most = NONE, 0.0
     for i in range(number):
         along = square = 0.0

@@ -1,4 +1,4 @@
-"""Beams of the landing radar: which can be used, what they measure, and what level ground should return.
+"""Beams of the landing radar: usable beams, velocity and height by their readings, and expected ranges.
 
 Velocity in B and height below a given vertical follow from the beams alone, whatever the attitude is.
 """
@@ -13,7 +13,7 @@ from edl6dof.spatial.vector import add, cross, dot, inertia_solve, norm, scale, 
 
 @kernel
 def beam_usable(healthy, radar, beam):
-    """Test whether a beam has an echo and the flag in ``healthy`` trusts its range or speed."""
+    """Return whether a beam has an echo and its flag in ``healthy`` is set."""
     return healthy[beam] != 0 and radar.locked[beam] != 0
 
 
@@ -35,15 +35,14 @@ def locked_beams(radar, n_beams):
     return bits
 
 
-#: Least determinant of the beams' axes, and how far (m/s) a beam may be off the velocity of all.
+#: Least determinant of the axes of the beams; largest residual (m/s) of a beam.
 _SPANS, _AGREE = 1e-3, 3.0
 
 
 @kernel
 def velocity_from_beams(instruments, health, radar):
     """Velocity (m/s, B) of the antenna relative to the ground, by least squares over the speeds of all beams
-    with an echo, and whether it is valid: that takes four beams that agree, as with three a wrong one cannot
-    be found.
+    with an echo, and whether it is valid: this needs four beams that agree, as three always agree.
     """
     xx = yy = zz = xy = xz = yz = 0.0
     seen, count = (0.0, 0.0, 0.0), 0
@@ -68,7 +67,9 @@ def velocity_from_beams(instruments, health, radar):
 
 @kernel
 def height_from_beams(instruments, health, radar, down):
-    """Mean height (m) of the antenna over the beams' spots, along ``down`` (unit, B); 0 without an echo."""
+    """Mean height (m) of the antenna above the points that the beams hit, along ``down`` (unit, B); 0 without
+    an echo.
+    """
     total, count = 0.0, 0
     for i in range(instruments.n_beams):
         if radar.locked[i] != 0 and health.beam_range[i] != 0:
@@ -77,7 +78,7 @@ def height_from_beams(instruments, health, radar, down):
     return total / count if count > 0 else 0.0
 
 
-#: Least cosine of a beam to the normal of the ground with which its range is informative of the height.
+#: Least cosine between a beam and the normal of the ground for the use of its range.
 STEEPEST = 0.1
 
 
@@ -107,23 +108,25 @@ def place_antenna(onboard, motion, solution, t):
 
 @kernel
 def horizontal(up):
-    """North and east at the vertical ``up``, all I."""
+    """North and east (I) at the vertical ``up`` (I)."""
     east = unit((-up[1], up[0], 0.0))
     return cross(up, east), east
 
 
 @kernel
 def ground_normal(up, slope):
-    """Normal (I), of length one along ``up``, of ground that rises by ``slope`` per metre north and east."""
+    """Normal (I) of ground that rises by ``slope`` per metre north and east, with a component of one along
+    ``up``.
+    """
     north, east = horizontal(up)
     return sub(up, add(scale(slope[0], north), scale(slope[1], east)))
 
 
 @kernel
 def expected_range(u, up, normal, height, radius):
-    """Range (m) along ``u`` to ground ``height`` (m) below on a sphere of ``radius``, with a ``normal`` of
-    length one along ``up``; minus the component of ``u`` along the normal; horizontal distance of the spot
-    (m).  ``u`` must not be flatter than ``STEEPEST``.
+    """Return the range (m) along ``u`` (unit, I) to ground that is ``height`` (m) below, on a sphere of
+    ``radius`` (m), with the ``normal`` of :func:`ground_normal`; minus the component of ``u`` along the
+    normal; and the horizontal distance of the spot (m). ``u`` must not be flatter than ``STEEPEST``.
     """
     steepness = -dot(u, normal)
     off = abs(height) / steepness * norm(cross(u, up))

@@ -1,11 +1,10 @@
 """Recovery of the vertical after the attitude was lost: from gravity and the velocity measured by the radar.
 
-The beams give the velocity in B whatever the attitude is. Turned with the gyros into axes that do not rotate,
-which need not be the right ones, it changes by gravity and by the specific force, which the accelerometers
-measure in the same axes: the rest of its change over some seconds is gravity. Wind and swinging are in both,
-and cancel. The attitude is turned until that gravity points down, and velocity and height are set to those of
-the radar. The rotation about the vertical is kept. Where the star tracker still sees stars its attitude is
-used.
+The beams give the velocity in B whatever the attitude is. In axes that do not rotate by the gyros, whatever
+their direction, it changes by gravity and by the specific force, which the accelerometers measure: its change
+over some seconds less that by the specific force is gravity, whatever wind and swinging are. The attitude is
+rotated until this gravity points down, and velocity and height are set to those of the radar. The rotation
+about the vertical is kept. If the star tracker has a fix, its attitude is used instead.
 
 Source: this project; gravity direction and velocity as references after a loss of attitude: Li et al., J.
 Astronautics 43(1), 2022.
@@ -27,36 +26,36 @@ class RecoveryParams(Params):
     """Recovery of the vertical after the attitude was lost."""
 
     gap_s: float = param(
-        3.0, "gap of the gyros after which the attitude is lost", status="estimate", gt=0.0, le=1000.0
+        3.0, "gap of the gyros after which the attitude counts as lost", status="estimate", gt=0.0, le=1000.0
     )
-    window_s: float = param(10.0, "time over which gravity is looked for", gt=0.0, le=100.0)
+    window_s: float = param(10.0, "time over which gravity is determined", gt=0.0, le=100.0)
     found_deg: float = param(
-        2.0, "standard deviation of the vertical that is found", status="estimate", gt=0.0, le=90.0
+        2.0, "standard deviation of the vertical after recovery", status="estimate", gt=0.0, le=90.0
     )
 
 
 RECOVERY = record(
     ("lost", FLAG),  # the attitude is not to be trusted
-    ("gap", "f8"),  # s: duration of the bridged rate; 0 while it is known
-    ("begun", FLAG),  # the radar has measured a velocity since
-    ("since", "f8"),  # s: time since then
-    ("velocity", "f8", (3,)),  # m/s: that velocity, in the axes used for I
-    ("gained", "f8", (3,)),  # m/s: integral of the specific force since, in the same axes
+    ("gap", "f8"),  # s: duration of the gap of the gyros; 0: no gap
+    ("begun", FLAG),  # the radar has measured the first velocity
+    ("since", "f8"),  # s: time since the first velocity
+    ("velocity", "f8", (3,)),  # m/s: first velocity, in the axes used for I
+    ("gained", "f8", (3,)),  # m/s: integral of the specific force since then, in these axes
     ("found_t", "f8"),  # s, flight time: when the vertical was last found again; 0: never
 )
 
 
 @kernel
 def declare_lost(memory):
-    """Distrust the attitude from now on."""
+    """Declare the attitude lost."""
     if memory.lost == 0:
         memory.lost, memory.begun = 1, 0
 
 
 @kernel
 def recover(params, onboard, health, sensed, motion, memory, solution):
-    """Find gravity after a cycle of ``motion`` while the attitude is lost, and then turn ``solution``
-    upright.
+    """While the attitude is lost, determine gravity from the cycles of ``motion``, and then correct
+    ``solution``.
 
     Args:
         params: ``RecoveryParams`` record.
@@ -77,7 +76,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
 
 @kernel
 def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution):
-    """Do the work of :func:`recover` while the attitude is lost and the rate is known."""
+    """Run a cycle of :func:`recover` while the attitude is lost and the rate is known."""
     if sensed.stars.valid != 0:
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0
@@ -105,7 +104,9 @@ def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution)
 
 @kernel
 def _set_upright(planet, gravity, solution):
-    """Turn the attitude until ``gravity`` (any length) is that of the planet; returns the rotation."""
+    """Rotate the attitude until ``gravity`` (of any length) has the direction of that of the planet; returns
+    the rotation quaternion.
+    """
     true = gravity_I(planet, take3(solution.r_I, 0))
     axis = cross(gravity, true)
     angle = scale(atan2(norm(axis), dot(gravity, true)), unit(axis))
@@ -117,7 +118,7 @@ def _set_upright(planet, gravity, solution):
 
 @kernel
 def _take_over(onboard, health, radar, velocity, solution):
-    """Set the velocity to ``velocity`` (m/s, I, planet-relative), and the height to that of the echoes."""
+    """Set the velocity to ``velocity`` (m/s, I, planet-relative), and the height to that by the echoes."""
     r, spin = take3(solution.r_I, 0), onboard.planet.rotation_rate
     put3(solution.v_I, 0, (velocity[0] - spin * r[1], velocity[1] + spin * r[0], velocity[2]))
     _, _, up, altitude = level_axes(onboard.planet, r, solution.t)

@@ -1,12 +1,12 @@
-"""Redundant instruments along individual axes: the vector that they measure, by least squares, their parity
-vector, and those whose flag says that they reached the end of their range.
+"""Redundant instruments along individual axes: the vector that they measure, by least squares; their parity
+vector; and the treatment of saturation flags.
 
-The matrices belong to the set of instruments in use and are kept until the set changes. With axes as rows of
-H the vector is (H'H)^-1 H' z. The parity vector p = V z holds the part of z that no vector explains: V H = 0,
-V V' = 1, and V upper triangular.
+The matrices are computed when the set of instruments in use changes. With axes as rows of H the vector is
+(H'H)^-1 H' z. The parity vector p = V z is the part of the readings z that no vector explains: V H = 0, V V'
+= 1, and V upper triangular.
 
-A flagged gyro is left out, or taken to read that end.  A flag that stays on while the other instruments read
-a motion far inside the range is itself a failure, and its instrument is excluded.
+A gyro with a flag is left out, or is assumed to read the end of its range. A flag that stays on while the
+other instruments read a motion far inside the range is itself a failure, and the instrument is excluded.
 
 Source: Potter and Deckert, Minimax failure detection and identification in redundant gyro and accelerometer
 systems, J. Spacecraft 10(4), 1973: V is the Cholesky factor of 1 - H (H'H)^-1 H'; flags: T. Tolker-Nielsen,
@@ -24,30 +24,30 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 from edl6dof.spatial.vector import dot, inertia_solve, scale, sub, take3
 
-#: Instruments of one kind, and the most that there can be beyond three.
+#: Most instruments of one kind, and most components of the parity vector.
 MAX_AXES = max(MAX_GYROS, MAX_ACCELEROMETERS)
 MAX_PARITY = MAX_AXES - 3
-#: Least determinant of H'H of axes that span space (orthogonal ones have 1), and least new direction of a row
+#: Least determinant of H'H of axes that span space (1 for orthogonal axes), and least squared pivot of a row
 #: of V.
 _SPANS, _NEW = 1e-3, 1e-9
 
 REDUNDANT = record(
-    ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument: the set that the matrices are of
-    ("solvable", FLAG),  # whether their axes span space
-    ("n_parity", whole(0, MAX_PARITY)),  # rows of V: how many there are beyond three
-    ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; no column but those in use is other than zero
-    ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; zero but in columns of those in use
-    ("count", "f8", (MAX_AXES,)),  # of each at the last reading
-    ("increment", "f8", (MAX_AXES,)),  # count since the reading before
-    ("flagged", "f8", (MAX_AXES,)),  # s: duration of a flag of saturation that the motion contradicts
-    # end of the range that a saturated one is taken to be at, +1 or -1, while its flag is on; 0: none
+    ("in_use", whole(0, 2**MAX_AXES - 1)),  # a bit for each instrument used in the matrices
+    ("solvable", FLAG),  # the axes in use span space
+    ("n_parity", whole(0, MAX_PARITY)),  # rows of V: instruments in use less three
+    ("inverse", "f8", (3, MAX_AXES)),  # (H'H)^-1 H'; columns of instruments out of use are zero
+    ("parity", "f8", (MAX_PARITY, MAX_AXES)),  # V; columns of instruments out of use are zero
+    ("count", "f8", (MAX_AXES,)),  # count of each at the last reading
+    ("increment", "f8", (MAX_AXES,)),  # change of the count since the reading before
+    ("flagged", "f8", (MAX_AXES,)),  # s: for how long the motion has contradicted a saturation flag
+    # end of the range, +1 or -1, that a gyro is assumed to read while its flag is on; 0: none
     ("end", "f8", (MAX_AXES,)),
 )
 
 
 @kernel
 def usable(number, healthy, saturated):
-    """Bits of those of ``number`` instruments that are ``healthy`` and not ``saturated``."""
+    """Bits of the instruments, of ``number``, that are ``healthy`` and not ``saturated``."""
     bits = 0
     for i in range(number):
         if healthy[i] != 0 and saturated[i] == 0:
@@ -57,7 +57,7 @@ def usable(number, healthy, saturated):
 
 @kernel
 def take_increments(counts, number, memory):
-    """Difference the counts of this and the last reading."""
+    """Compute increments from the counts of this and the last reading."""
     for i in range(number):
         memory.increment[i] = counts[i] - memory.count[i]
         memory.count[i] = counts[i]
@@ -115,7 +115,7 @@ def _factor(axis, number, in_use, memory):
 
 @kernel
 def least_squares(memory, number, readings):
-    """The vector (B) that best explains the readings of those in use."""
+    """The vector (B) that best explains the readings of the instruments in use."""
     x = y = z = 0.0
     for i in range(number):
         reading = readings[i]
@@ -127,7 +127,7 @@ def least_squares(memory, number, readings):
 
 @kernel
 def without_one(axis, memory, left_out, readings, vector):
-    """Least squares without the instrument ``left_out``, from the ``vector`` that it took part in."""
+    """Least-squares vector without the instrument ``left_out``, from the ``vector`` with all in use."""
     a = take3(axis[left_out], 0)
     column = (memory.inverse[0, left_out], memory.inverse[1, left_out], memory.inverse[2, left_out])
     excess = (readings[left_out] - dot(a, vector)) / (1.0 - dot(a, column))
@@ -138,14 +138,14 @@ class SaturationParams(Params):
     """Gyros at the end of their range."""
 
     left_out: bool = param(
-        True, "whether they are left out while flagged; otherwise read as the end of range that they reached"
+        True, "whether saturated gyros are left out; otherwise they are read as the end of their range"
     )
 
 
 @kernel
 def usable_gyros(params, instruments, dt, healthy, inertial, redundant):
-    """Bits of the gyros to use. Where flagged gyros are not left out, their increments become the end of the
-    range that they reached first, for as long as the flag is on.
+    """Bits of the gyros to use. Where saturated gyros are not left out, their increments are replaced by the
+    end of the range that they reached first.
     """
     number = instruments.n_gyros
     if params.left_out != 0:
@@ -163,7 +163,7 @@ def usable_gyros(params, instruments, dt, healthy, inertial, redundant):
     return bits
 
 
-#: Share of the range below which a motion is far inside it.
+#: Motion, over the range, below which it is far inside the range.
 _FAR_INSIDE = 0.5
 
 
@@ -172,11 +172,11 @@ def exclude_stale_flags(patience, axis, number, end, flags, vector, dt, healthy,
     """Exclude instruments whose flag has been contradicted by the motion for more than ``patience`` s.
 
     Args:
-        axis: of each of ``number`` instruments.
-        end: of the range, rad/s or m/s2.
-        flags: of saturation, as the instruments report them.
-        vector: increment of ``dt`` seconds by the others.
-        healthy, flagged: flags; s, duration of each contradicted flag; updated.
+        axis: unit vector of each of ``number`` instruments, B.
+        end: end of the range, rad/s or m/s2.
+        flags: reported saturation flags.
+        vector: measured increment of ``dt`` seconds, B.
+        healthy, flagged: health flags; duration of each contradicted flag, s; updated.
     """
     for i in range(number):
         if flags[i] == 0 or abs(dot(take3(axis[i], 0), vector)) > _FAR_INSIDE * end * dt:

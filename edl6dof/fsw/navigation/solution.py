@@ -8,7 +8,7 @@ from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYRO
 from edl6dof.records import FLAG, record, whole
 
 #: Motion of the body over the cycle between the last two readings of the inertial unit, all instruments taken
-#: together, less the believed biases, brought to the centre of mass.
+#: together, less the believed biases, referred to the centre of mass.
 MOTION = record(
     ("dt", "f8"),  # s: of the cycle
     ("angle", "f8", (3,)),  # rad, B: integral of the rate
@@ -18,7 +18,7 @@ MOTION = record(
     ("rate", "f8", (3,)),  # rad/s, B: at the end of the cycle
     ("centre", "f8", (3,)),  # m, B: believed centre of mass
     ("rate_known", FLAG),  # enough gyros read within their range
-    ("force_known", FLAG),  # enough accelerometers do
+    ("force_known", FLAG),  # enough accelerometers read within their range
 )
 
 #: The navigation solution: state of the centre of mass at the time of the last reading.
@@ -29,9 +29,9 @@ SOLUTION = record(
     ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
     ("gyro_bias", "f8", (3,)),  # rad/s, B: excess of the rate read
     ("accelerometer_bias", "f8", (3,)),  # m/s2, B: excess of the specific force read
-    ("terrain", "f8"),  # m: how much higher the ground below is than the landing site
+    ("terrain", "f8"),  # m: height of the ground below above the landing site
     ("slope", "f8", (2,)),  # rise of the ground below per metre towards north and east
-    ("new_attitude_variance", "f8"),  # rad2: about each axis, of an attitude just found, for the filter
+    ("new_attitude_variance", "f8"),  # rad2: about each axis, of an attitude just recovered
     ("started", FLAG),  # ground tracking and star tracker have started it
     ("sigma_r", "f8", (3,)),  # m, N: estimated standard deviation, north, east, down
     # m/s, N: estimated standard deviation of the planet-relative velocity, north, east, down
@@ -50,7 +50,7 @@ SOLUTION = record(
     ("looked", FLAG),  # the filter has looked at the radar in this cycle
 )
 
-#: Which instruments are in use, 1, or excluded as failed.
+#: Flags of the instruments that are in use.
 INSTRUMENT_HEALTH = record(
     ("gyro", FLAG, (MAX_GYROS,)),  # in use (1) or excluded as failed (0)
     ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),  # in use (1) or excluded as failed (0)

@@ -50,14 +50,16 @@ def gravity_I(planet, r):
 
 @kernel
 def rotation_vector_of(motion):
-    """Rotation vector of the cycle: its increments with two-sample coning."""
+    """Rotation vector (rad, B) of the cycle: its increments with two-sample coning compensation."""
     angle = take3(motion.angle, 0)
     return add(angle, scale(1.0 / 12.0, cross(take3(motion.last_angle, 0), angle)))
 
 
 @kernel
 def gain_in_first_axes(motion):
-    """Velocity gained in the cycle, m/s, in the first axes of B: rotation and two-sample sculling."""
+    """Velocity gained in the cycle (m/s) in B at its beginning, with rotation and two-sample sculling
+    compensation.
+    """
     angle, gain = take3(motion.angle, 0), take3(motion.gain, 0)
     last_angle, last_gain = take3(motion.last_angle, 0), take3(motion.last_gain, 0)
     rotation = scale(0.5, cross(angle, gain))
@@ -104,7 +106,9 @@ def adopt_attitude(sensed, motion, solution):
 
 @kernel
 def level_axes(planet, r_I, t):
-    """North, east and up (I) at a position, and its height above the ellipsoid (m)."""
+    """North, east and up (I) at the position ``r_I`` (m) and flight time ``t`` (s), and its height above the
+    ellipsoid (m).
+    """
     s, c = sincos(planet.rotation_rate * t)
     r_F = rotate_z(c, s, r_I)
     sin_lat, cos_lat, sin_lon, cos_lon, altitude = geodetic(planet.equatorial_radius, planet.flattening, r_F)
@@ -116,7 +120,7 @@ def level_axes(planet, r_I, t):
 
 @kernel
 def central_gravity(planet, r_I):
-    """Central gravity, m/s2."""
+    """Central gravitational acceleration (m/s2, I) at ``r_I`` (m)."""
     distance = norm(r_I)
     return scale(-planet.mu / (distance * distance * distance), r_I)
 

@@ -22,7 +22,7 @@ from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, put4, scale, sub, take3, take4
 
-#: Time between two readings (s) below which they are one.
+#: Least time (s) between two different readings.
 LEAST_TIME = 1e-9
 
 #: Memory of navigation.
@@ -45,10 +45,10 @@ NAVIGATION = record(
 
 @kernel
 def estimate_state(filters, onboard, state, sensed, memory):
-    """Bring ``memory.estimate`` up to the cycle of ``sensed``.
+    """Update ``memory.estimate`` to the cycle of ``sensed``.
 
     Args:
-        filters: kernels of the navigation filter that flies: start and correct.
+        filters: kernels of the chosen navigation filter: start and correct.
         onboard, state, sensed: ``ONBOARD``, ``VEHICLE_STATE`` (parts that are gone) and ``SENSED`` records.
         memory: ``NAVIGATION`` record, updated.
     """
@@ -66,7 +66,7 @@ def estimate_state(filters, onboard, state, sensed, memory):
 
 @kernel
 def navigate(filters, onboard, state, sensed, memory):
-    """Bring ``memory.solution`` up to the reading of the inertial unit that arrives with ``sensed``."""
+    """Update ``memory.solution`` by the reading of the inertial unit that arrives with ``sensed``."""
     start_filter, correct_solution = filters
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     body = onboard.vehicle.configuration[state.configuration]
@@ -128,7 +128,9 @@ def watch(onboard, state, sensed, memory):
 
 @kernel
 def follow_centre(centre, motion, solution, before):
-    """Refer the solution to the new centre of mass (m, B) once a part has left; ``before`` is updated."""
+    """Refer the solution to the new ``centre`` of mass (m, B) when parts have left; ``before``: last centre,
+    updated.
+    """
     arm = sub(centre, take3(before, 0))
     if dot(arm, arm) == 0.0:
         return

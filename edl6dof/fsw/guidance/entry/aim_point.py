@@ -1,7 +1,7 @@
 """Geometry of the aim point of entry guidance: range, downrange to go, crossrange, and heading alignment.
 
-Heading alignment: near the end the range control stops, and the bank angle takes out the heading error.
-Source: Mendeck & Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars Science
+Heading alignment: near the end range control stops, and the bank angle removes the heading error. Source:
+Mendeck & Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars Science
 Laboratory mission".
 """
 
@@ -32,7 +32,9 @@ def to_target(onboard, nav):
 
 @kernel
 def first_side(out):
-    """Side of the first bank (+1 right, -1 left): that of the commanded bank, else towards the aim point."""
+    """Side of the first bank (+1 right, -1 left): that of the commanded bank; at zero bank, towards the aim
+    point.
+    """
     away = out.crossrange if out.bank == 0.0 else -out.bank
     return -1.0 if away > 0.0 else 1.0
 
@@ -40,9 +42,9 @@ def first_side(out):
 class HeadingAlignmentParams(Params):
     """Heading alignment: below a speed, bank against the heading error instead of controlling range."""
 
-    speed_m_s: float = param(0.0, "speed below which it takes over; 0 for never", ge=0.0)
+    speed_m_s: float = param(0.0, "speed below which it replaces range control; 0: never", ge=0.0)
     gain: float = param(20.0, "bank angle per heading error", ge=0.0, le=1000.0)
-    limit_deg: float = param(30.0, "largest bank angle it commands", ge=0.0, le=90.0)
+    limit_deg: float = param(30.0, "largest bank angle of heading alignment", ge=0.0, le=90.0)
 
 
 @kernel

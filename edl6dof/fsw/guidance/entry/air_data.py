@@ -1,19 +1,19 @@
-"""Air data of entry guidance: the wind expected before the flight, and the measured drag and lift over the
-believed ones, for every law that predicts.
+"""Air data of entry guidance: the wind expected before the flight, and the ratios of measured to believed
+drag and lift, for every law that predicts.
 
-The expected wind is the climatology of the table that the believed air is read from; it does not follow the
-wind that blows.  The believed drag is that in the expected wind, through which a prediction flies as well.
-The accelerometer feels density, mass, unexpected wind and aerodynamic errors together; so does the
-trajectory, and the ratio of measured to believed drag carries them into a prediction without separating them.
+The expected wind is the climatology of the table that the believed air is read from; it is not corrected in
+flight. The believed drag is computed in the expected wind, as in a prediction. Errors of density, mass, wind
+and aerodynamics act on accelerometer and trajectory alike; the ratio of measured to believed drag brings
+their sum into a prediction.
 
-Ratio of drag: a Kalman filter of a level and a trend with height.  Waves of density move the level at random,
-as a Gauss-Markov wave of their size and length does over short heights.  Air that is warmer or colder than
-believed gives the trend: over a height z the density is off by z/H times the relative error of its scale
-height H.  Ratio of lift: a fading memory, long, since its error is the vehicle's own and lasts, while
-unexpected wind turns with height.
-Source: the density and lift-to-drag estimates of fully numerical entry guidance (Lu 2014, section V.C;
-Brunner & Lu 2008, eqs. 33-34), there first-order fading memories; local linear trend: Harvey 1989,
-"Forecasting, Structural Time Series Models and the Kalman Filter", section 2.3.
+Ratio of drag: a Kalman filter of a level and a trend with height. Density waves change the level at random,
+as a Gauss-Markov process of their size and length does over small height differences. Air that is warmer or
+colder than believed causes the trend: over a height z the density is off by z/H times the relative error of
+its scale height H. Ratio of lift: a fading memory with a long time constant, since errors of the vehicle are
+constant, while unexpected wind changes with height. Source: the density and lift-to-drag estimates of fully
+numerical entry guidance (Lu 2014, section V.C; Brunner & Lu 2008, eqs. 33-34), there first-order fading
+memories; local linear trend: Harvey 1989, "Forecasting, Structural Time Series Models and the Kalman Filter",
+section 2.3.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ class AirDataParams(Params):
         5000.0, "height over which their correlation falls to 1/e", status="estimate", gt=0.0, le=1e6
     )
     reading_error: float = param(
-        0.02, "standard deviation of one reading of the ratio, by gusts", status="estimate", gt=0.0, lt=1.0
+        0.02, "standard deviation of one reading of drag ratio, by gusts", status="estimate", gt=0.0, lt=1.0
     )
-    lift_memory_s: float = param(25.0, "memory of the ratio of lift", status="design", gt=0.0, le=1000.0)
-    least_drag_m_s2: float = param(0.5, "drag below which nothing is learnt", gt=0.0)
+    lift_memory_s: float = param(25.0, "time constant of the lift ratio", status="design", gt=0.0, le=1000.0)
+    least_drag_m_s2: float = param(0.5, "drag below which the ratios are not updated", gt=0.0)
     limit: float = param(0.5, "largest deviation of a ratio from one", gt=0.0, lt=1.0)
 
 
@@ -82,7 +82,7 @@ AIR_DATA = record(
 
 @kernel
 def start(p, altitude, scale_height, t, memory):
-    """Nothing is measured yet."""
+    """Start with ratios of one and no trend; ``altitude`` and ``scale_height``: m."""
     memory.started, memory.t, memory.altitude = 1, t, altitude
     memory.drag, memory.trend, memory.lift = 1.0, 0.0, 1.0
     memory.drag_variance, memory.covariance = p.drag_error * p.drag_error, 0.0
@@ -92,7 +92,9 @@ def start(p, altitude, scale_height, t, memory):
 
 @kernel
 def learn_drag(p, altitude, ratio, memory):
-    """Bring level and trend to the ``altitude`` (m) of a reading, and correct them by it."""
+    """Propagate level and trend of the drag ratio to the ``altitude`` (m) of a reading, and correct them by
+    its ``ratio``.
+    """
     climb = altitude - memory.altitude
     memory.altitude = altitude
     memory.drag += climb * memory.trend
@@ -113,13 +115,13 @@ def learn_drag(p, altitude, ratio, memory):
 
 @kernel
 def drag_ratio_at(p, ratio, trend, climb):
-    """Ratio of drag expected ``climb`` (m) above where it is ``ratio``, within its limits."""
+    """Expected ratio of drag ``climb`` (m) above the height where it is ``ratio``, within its limits."""
     return clamp(ratio + trend * climb, 1.0 - p.limit, 1.0 + p.limit)
 
 
 @kernel
 def measure_air(onboard, nav, memory):
-    """Update ``memory`` (``AIR_DATA``) with this cycle's accelerometer reading."""
+    """Update ``memory`` (``AIR_DATA``) by the accelerometer reading of this cycle."""
     p = onboard.guidance.entry.air_data
     density, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     if memory.started == 0:

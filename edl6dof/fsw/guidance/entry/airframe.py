@@ -1,9 +1,9 @@
 """The trim angle, drag and lift that the flight computer expects of its vehicle, over Mach number.
 
 One drag area and one lift-to-drag ratio (``onboard.vehicle``) times factors tabulated over the logarithm of
-the Mach number.  Below the Mach number or speed at which the mission table opens the trim wing, or lets the
-balance masses go, the vehicle trims at zero angle of attack: no lift, and the drag of that attitude.  Where
-no table was made the factors are one.  Source: the nominal aerodynamic database, trimmed on the ground
+the Mach number. Below the Mach number or speed at which the mission table opens the trim wing, or releases
+the balance masses, the vehicle trims at zero angle of attack: no lift, and the drag of that attitude. Without
+a table the factors are one. Source: the nominal aerodynamic database, trimmed on the ground
 (:mod:`edl6dof.scenario.onboard_vehicle`).
 """
 
@@ -22,12 +22,12 @@ FIRST_MACH, LAST_MACH = 0.5, 30.0
 SPACING = log(LAST_MACH / FIRST_MACH) / (NODES - 1)
 
 AIRFRAME = record(
-    ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0 when it does not, or by speed
-    ("wing_speed", "f8"),  # m/s: speed at which the trim wing opens; 0 when it does not, or by Mach number
+    ("wing_mach", "f8"),  # Mach number at which the trim wing opens; 0: never, or by speed
+    ("wing_speed", "f8"),  # m/s: speed at which the trim wing opens; 0: never, or by Mach number
     ("alpha", "f8", (NODES,)),  # rad: angle of attack at trim
-    ("drag", "f8", (NODES,)),  # drag area over the vehicle's one, at trim
-    ("lift", "f8", (NODES,)),  # lift-to-drag ratio over the vehicle's one, at trim
-    ("drag_with_wing", "f8", (NODES,)),  # drag area over the vehicle's one, wing open, zero angle of attack
+    ("drag", "f8", (NODES,)),  # drag area at trim, over that of the vehicle
+    ("lift", "f8", (NODES,)),  # lift-to-drag ratio at trim, over that of the vehicle
+    ("drag_with_wing", "f8", (NODES,)),  # drag area, wing open and alpha zero, over that of the vehicle
 )
 
 
@@ -38,7 +38,7 @@ def mach_nodes() -> np.ndarray:
 
 @kernel
 def node_of(mach):
-    """Index and fraction of a Mach number among the nodes."""
+    """Index of the node below a Mach number, and fraction of the way to the next."""
     return held_cell(log(max(mach, FIRST_MACH) / FIRST_MACH) / SPACING, NODES - 1)
 
 
@@ -61,7 +61,9 @@ def believed_aero(vehicle, mach, speed):
 
 @kernel
 def area_rate(vehicle, mach, speed, speed_rate):
-    """Relative rate (1/s) of the trimmed drag area at ``speed_rate`` (m/s2), with constant speed of sound."""
+    """Relative rate (1/s) of the trimmed drag area at ``speed`` (m/s) and ``speed_rate`` (m/s2), with
+    constant speed of sound.
+    """
     drag = vehicle.airframe.drag
     i, _ = node_of(mach)
     return log(drag[i + 1] / drag[i]) / SPACING * speed_rate / speed

@@ -3,22 +3,22 @@ observer of the flight-path rate.
 
 Drag, drag rate, and the part of the drag's second derivative that the model leaves out: the continuous
 observer of eqs. 20-21 integrates D'' = phi + b + a u with phi constant, corrected by the measured drag; the
-printed alpha = (6, 11, 6) puts its poles at -1, -2 and -3 over the time scale eps.  Between two samples the
+printed alpha = (6, 11, 6) puts its poles at -1, -2 and -3 over the time scale eps. Between two samples the
 integrator chain is solved exactly, and the correction gains are those that put the poles of the sampled error
 at exp(pole dt): stable at any rate, with the same decay, and the estimates of a steady phi carry no error.
-(Closed explicitly with the printed eps at 10 Hz, the error would double with each step.)
-Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23; Freidovich & Khalil 2008.
+(With an explicit Euler step and the printed eps at 10 Hz, the error would double in each step.) Source: Wu,
+Cui & Cui 2013, section 3.3, eqs. 20-23; Freidovich & Khalil 2008.
 
-Differences from the print: the states are drag and drag rate instead of their errors, which is the same
-observer since the reference is known, but does not jump when the reference is updated; eq. 20's gain vector
+Differences from the print: the states are drag and drag rate instead of their errors: as the reference is
+known, the observer is the same, but it does not jump when the reference is updated; eq. 20's gain vector
 carries a stray sqrt(a^2 + b^2), left out here, and eqs. 22 and 23 a sigma-hat where phi-hat belongs; n = 2,
 as printed only by implication.
 
-Disturbance of the flight-path rate, which two laws take out of the drag dynamics: gamma' = f(x, u) + d,
-estimate d^ = z + l gamma, which makes the error obey e' = d' - l e.  Sampled form: over one interval gamma
-changes by the mean of f plus the mean of d; the error decays by exp(-l dt), exactly, so that the observer is
-stable at any guidance rate (the printed form, integrated by Euler steps, is not when l dt > 2).
-Source: Yan, Sun & Guo 2016, eqs. 5 and 16-17.
+Disturbance of the flight-path rate, which two laws compensate in the drag dynamics: gamma' = f(x, u) + d,
+estimate d^ = z + l gamma, whose error obeys e' = d' - l e. Sampled form: over one interval gamma changes by
+the mean of f plus the mean of d; the error decays by exp(-l dt), exactly, so that the observer is stable at
+any guidance rate (the printed form, integrated by Euler steps, is not when l dt > 2). Source: Yan, Sun & Guo
+2016, eqs. 5 and 16-17.
 """
 
 from __future__ import annotations
@@ -31,11 +31,10 @@ from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import cos, exp
 
-#: Longest time (s) between two samples over which the chain of integrators is believed; after it the observer
-#: starts afresh.
+#: Longest time (s) between two samples; after a longer one the observer is restarted.
 MEMORY_S = 3.0
 
-#: Estimates; a, b and time of the last sample.
+#: Estimates of drag (m/s2), drag rate (m/s3) and phi (m/s4); a, b (m/s4) and time (s) of the last sample.
 OBSERVER = record(
     ("drag", "f8"), ("rate", "f8"), ("phi", "f8"), ("a", "f8"), ("b", "f8"), ("t", "f8"), ("started", FLAG)
 )
@@ -55,11 +54,11 @@ def observer_gains(epsilon, dt):
 @kernel
 def observe(memory, epsilon, start, t, drag, a, b, u):
     """Bring the estimates of ``memory`` (``OBSERVER``) to time ``t`` with the measured ``drag`` (m/s2);
-    ``start`` is the drag (m/s2) that it starts from.
+    ``start``: initial drag estimate (m/s2).
 
-    ``a`` and ``b`` are those of the drag dynamics now, ``u`` is the cosine of the bank angle flown since the
-    last sample.  The model acceleration is the mean of both ends of the interval: that of its beginning alone
-    would put half an interval of lag into phi.
+    ``a`` and ``b`` (m/s4) are the present ones of D'' = b + a u, ``u`` is the cosine of the bank angle flown
+    since the last sample. The model acceleration is the mean of both ends of the interval: the value at the
+    beginning alone would delay phi by half an interval.
     """
     dt = t - memory.t
     if memory.started == 0 or dt > MEMORY_S:
@@ -81,8 +80,8 @@ class PathObserverParams(Params):
     gain: float = param(10.0, "l, rate at which the estimate converges, 1/s", gt=0.0, le=1000.0)
 
 
-#: State at the last call: time, flight-path angle, lift over speed, the rest of the path rate; and the
-#: estimate, rad/s.
+#: At the last call: time (s), flight-path angle (rad), lift over speed and path rate without lift (rad/s);
+#: estimated disturbance (rad/s).
 PATH_OBSERVER = record(
     ("started", FLAG),
     ("t", "f8"),
@@ -92,18 +91,18 @@ PATH_OBSERVER = record(
     ("disturbance", "f8"),
 )
 
-#: Memory of a law that tracks drag with this observer.
+#: Memory of a law that tracks drag with the observer of the path rate.
 MEMORY = record(("tracking", TRACKING), ("observer", PATH_OBSERVER))
 
 
 @kernel
 def observe_path(p, memory, nav, lift):
-    """Update and return the estimated disturbance of the flight-path rate, rad/s; ``lift`` in m/s2."""
+    """Update and return the estimated disturbance of the flight-path rate (rad/s); ``lift``: m/s2."""
     lift_rate = lift / nav.speed
     free_rate = (nav.speed / nav.radius - nav.gravity / nav.speed) * cos(nav.flight_path_angle)
     dt = nav.t - memory.t
     if memory.started != 0 and dt > 0.0:
-        # the bank angle of now is the one of the whole interval when it follows its command at once
+        # the present bank angle stands for the whole interval, exactly if it follows its command at once
         model = 0.5 * ((lift_rate + memory.lift_rate) * cos(nav.bank) + free_rate + memory.free_rate)
         seen = (nav.flight_path_angle - memory.gamma) / dt - model
         memory.disturbance += (1.0 - exp(-p.gain * dt)) * (seen - memory.disturbance)
@@ -116,8 +115,8 @@ def observe_path(p, memory, nav, lift):
 def disturbed_drag(onboard, nav, p, memory, out):
     """Drag errors and drag dynamics with the observed disturbance (eqs. 14 and 19).
 
-    Returns (D - D_r, D' - D_r', a + f d^ - D_r'', b): the error's second derivative is the third plus b
-    cos(bank).  A disturbance d of the path rate acts as lift does: f = b V/L.
+    Returns (D - D_r, D' - D_r', c, a): the second derivative of the error is c + a cos(bank), with c = b + f
+    d^ - D_r'' for D'' = b + a cos(bank). A disturbance d of the path rate acts as lift does: f = a V/L.
     """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag

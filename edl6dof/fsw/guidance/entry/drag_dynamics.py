@@ -22,7 +22,8 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_rate=0.0):
-    """Drag rate and the two parts of its derivative: D'' = b + a cos(bank).  Returns (D', a, b).
+    """Drag rate and the two parts of its derivative: D'' = b + a cos(bank). Returns (D' in m/s3, a and b in
+    m/s4).
 
     D' = D (-V sin(gamma)/h_s + 2 V'/V + A'/A) with V' = -D - g sin(gamma); the rest follows by
     differentiation with gamma' = L cos(bank)/V + (V/r - g/V) cos(gamma), g' = -2 g V sin(gamma)/r, constant
@@ -47,7 +48,9 @@ def drag_dynamics(drag, speed, gamma, radius, gravity, lift, scale_height, area_
 
 @kernel
 def measured_drag_dynamics(onboard, nav, lift):
-    """The same at the navigated state and measured drag, with the believed drag area; ``lift`` in m/s2."""
+    """Result of :func:`drag_dynamics` at the navigated state and measured drag, with the believed drag area;
+    ``lift`` in m/s2.
+    """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     return drag_dynamics(
         nav.drag,
@@ -74,9 +77,9 @@ def uncertain_drag(drag, rate, speed, gravity, radius, scale_height):
 
     D'' + g0(D, D', V) + g1(D, D', V, u) theta = w + g2(D, V) u with u = (L/D) cos(bank) and theta = (C, C', 1
     - (R/r) cos^2(gamma), 1 - cos(gamma), sin^2(gamma)), C = (dC_D/dt)/C_D, R a reference radius with g =
-    mu/R^2. The fourth of g1 is ``g2 u`` and is returned as zero; ``gravity`` and ``radius`` are those of the
-    reference sphere.  Derived here from D = k rho V^2 C_D and eqs. 2-4; checked in the tests against finite
-    differences of integrated entries.  Source: Lu & Bayard, sections 2.1 and 2.3, eqs. 8-13.
+    mu/R^2. The fourth component of g1 is ``g2 u`` and is returned as zero; ``gravity`` and ``radius`` are
+    those of the reference sphere. Derived here from D = k rho V^2 C_D and eqs. 2-4; checked in the tests
+    against finite differences of integrated entries. Source: Lu & Bayard, sections 2.1 and 2.3, eqs. 8-13.
 
     Differences from the print: g = mu/R^2 where section 2.3 has mu/R; 2 D/V where eq. 10 has 2 V'/V; R/r
     where eqs. 9 and 13 have r/R; w is D delta' + (D^2/V) ((V^2 - 4 g H)/(V^2 + 2 g H)) delta, where the print

@@ -1,16 +1,14 @@
 """Drag-energy profile as a polynomial of order six, refitted whenever the range to go is updated.
 
-Range along a drag profile is the integral of cos(gamma) dE / D.  Now and then the profile is multiplied by 1
-+ eta f(E), eta such that it
-predicts the range to go, and the product is fitted again: the polynomial always covers the energy that is
-left.
-Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
+Range along a drag profile is the integral of cos(gamma) dE / D. At each update the profile is multiplied by 1
++ eta f(E) with the eta that makes it predict the range to go, and the product is fitted again: the polynomial
+always covers the energy that is left. Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
 
 Differences from the print: the range integral carries the ground distance per path length of the reference
 trajectory, which eqs. 11 and 14 leave out (1 % of the range of an entry at 14 deg); the argument of the
-polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg is not
-fit for a least-squares solution; the fit is kept within a factor of the reference, so that an aim point out
-of reach cannot drive it away update by update.
+polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg makes
+the least-squares problem ill-conditioned; the fit stays within a factor of the reference, so that it does not
+drift with each update for an aim point out of reach.
 """
 
 from __future__ import annotations
@@ -32,8 +30,8 @@ ORDER = 6
 #: Samples between the ends of the remaining energy; odd, for Simpson's rule.
 SAMPLES = 33
 _ANGLE = np.linspace(0.0, np.pi, SAMPLES)
-#: Their shares of the energy left, dense at both ends, where drag is low and range is gained; and Simpson's
-#: weights of an integral over it.
+#: Share of the energy left at each sample, dense at both ends, where drag is low and range is long; and
+#: Simpson's weights of an integral over this share.
 SHARE = 0.5 * (1.0 - arrays.cos(_ANGLE))
 WEIGHT = (
     np.array([1.0, *[4.0, 2.0] * (SAMPLES // 2 - 1), 4.0, 1.0])
@@ -45,8 +43,8 @@ WEIGHT = (
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
 FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
-#: The profile in force: coefficients, the energy its argument 1 stands for, time of the last update; samples
-#: are scratch.
+#: The present profile: coefficients (m/s2), energy (J/kg) at its argument 1, time (s) of the last update;
+#: ``drag`` and ``ground`` are workspace.
 PROFILE = record(
     ("coefficient", "f8", (ORDER + 1,)),
     ("energy", "f8"),
@@ -61,13 +59,13 @@ class PolynomialParams(Params):
     """Polynomial drag-energy profile."""
 
     update_every_s: float = param(
-        5.0, "time between two updates of the profile to the range to go", gt=0.0, le=1000.0
+        5.0, "time between two updates of the profile by the range to go", gt=0.0, le=1000.0
     )
 
 
 @kernel
 def evaluate(coefficient, x):
-    """Polynomial and its first and second derivative at ``x`` (Horner)."""
+    """Value, first and second derivative of a polynomial at ``x`` (Horner)."""
     value, first, second = 0.0, 0.0, 0.0
     for i in range(coefficient.shape[0] - 1, -1, -1):
         second = second * x + 2.0 * first
@@ -78,7 +76,9 @@ def evaluate(coefficient, x):
 
 @kernel
 def predicted_range(memory, span, eta):
-    """Range (m) of the sampled drag times 1 + eta f, ``span`` of energy; its derivative by eta (Simpson)."""
+    """Range (m) along the sampled drag times 1 + ``eta`` f over an energy ``span`` (J/kg), and its derivative
+    by eta (Simpson).
+    """
     total, slope = 0.0, 0.0
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])
@@ -91,7 +91,7 @@ def predicted_range(memory, span, eta):
 @kernel
 def refit(reference, energy, wanted, limit, memory):
     """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
-    ``wanted`` m (eqs. 13-15); ``limit`` bounds eta, 0 fits without changing the range.
+    ``wanted`` m (eqs. 13-15); ``limit``: largest |eta|, where 0 keeps the range.
     """
     terminal = 0.5 * reference.first * reference.first
     span = energy - terminal
@@ -123,7 +123,7 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
     updates included.  ``p``: ``PolynomialParams`` of the law, ``memory``: its ``PROFILE``.
 
-    With dE/dt = -V D the derivatives are those along the flight as it is flown.
+    By dE/dt = -V D the derivatives are those along the actual flight.
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.first * reference.first

@@ -1,19 +1,19 @@
 """The entry flight corridor in the plane of drag and velocity, and a drag-velocity profile inside it.
 
-From above drag is bounded by the stagnation heat rate (Sutton-Graves), the load factor and the dynamic
-pressure; from below by equilibrium glide: with less drag all the lift, pointed up, does not carry the weight
-left by the centrifugal force, and the path bends down.  The lower bound vanishes above circular speed, and a
-capsule ends its entry below it: it falls.
+The upper bounds of drag are the stagnation heat rate (Sutton-Graves), the load factor and the dynamic
+pressure; the lower bound is equilibrium glide: at less drag the full lift, pointed up, is less than weight
+minus centrifugal force, and the path bends down. The lower bound vanishes above circular speed, and at the
+end of its entry a capsule falls below it.
 
-The profile has three segments c0 + c1 V + c2 V^2: quadratic, equilibrium glide (linear), constant drag.  It
-bends over into the glide without a break of slope, and levels out.  It is fitted by least squares along the
-reference flight, under the ceiling of the corridor, and scaled to the range of that flight.  In guidance one
-factor on the whole profile meets the range to go: along a drag profile, range goes with the inverse of drag.
+The profile has three segments c0 + c1 V + c2 V^2: quadratic, equilibrium glide (linear), constant drag. The
+slope is continuous where the quadratic joins the glide. It is fitted by least squares along the reference
+flight, under the ceiling of the corridor, and scaled to the range of that flight. Guidance multiplies the
+profile by one factor to match the range to go: range along a drag profile is inversely proportional to drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
 Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which
-the paper drops as small at first and avoids later by an energy variable; here it follows from the profile
-itself: with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
+the paper neglects at first and later avoids by an energy variable; here the angle follows from the profile:
+with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from edl6dof.spatial.vector import clamp
 
 
 class EntryLimitParams(Params):
-    """Limits of the vehicle during entry, as guidance knows them; every bound is met with the margin."""
+    """Limits of the vehicle during entry for guidance; a profile keeps the margin from each upper bound."""
 
     heat_rate_w_cm2: float = param(200.0, "stagnation-point heat rate", status="estimate", gt=0.0)
     nose_radius_m: float = param(
@@ -40,12 +40,14 @@ class EntryLimitParams(Params):
     )
     load_g0: float = param(20.0, "aerodynamic load", status="estimate", gt=0.0)
     dynamic_pressure_pa: float = param(25000.0, "dynamic pressure", status="estimate", gt=0.0)
-    margin: float = param(0.1, "share of each upper bound that a drag profile leaves free", ge=0.0, lt=1.0)
+    margin: float = param(0.1, "margin of a profile from each upper bound, over the bound", ge=0.0, lt=1.0)
 
 
 @kernel
 def corridor(onboard, speed):
-    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and glide."""
+    """Drag (m/s2) at ``speed`` (m/s) on the bounds of heat rate, load, dynamic pressure and equilibrium
+    glide.
+    """
     limits, vehicle, planet = onboard.guidance.entry.limits, onboard.vehicle, onboard.planet
     area = vehicle.drag_area / vehicle.entry_mass
     density = limits.nose_radius * (limits.heat_rate / (planet.sutton_graves_constant * speed**3)) ** 2
@@ -66,7 +68,7 @@ def ceiling(onboard, speed):
 
 
 RANGE_NODES = 129
-#: Speeds tried for the two joints, as shares of the speed at the start and of the speed at the end.
+#: Speeds tried for the two joints, over the initial and over the final speed.
 _JOIN, _LEVEL = np.linspace(0.35, 0.85, 26), np.linspace(1.2, 2.4, 13)
 _ROWS = 300
 #: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
@@ -74,18 +76,20 @@ _STIFF = 100.0
 
 DRAG_VELOCITY = record(
     ("start", "f8"),  # speed where the profile begins, m/s
-    ("join", "f8"),  # quadratic to glide
-    ("level", "f8"),  # glide to constant
-    ("final", "f8"),  # speed where it ends
+    ("join", "f8"),  # m/s: speed at the joint of quadratic and glide
+    ("level", "f8"),  # m/s: speed at the joint of glide and constant drag
+    ("final", "f8"),  # m/s: speed where the profile ends
     ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
-    # ground range from each of evenly spaced speeds, final .. start, to the end
+    # m: ground range to the end from evenly spaced speeds, final to start
     ("range", "f8", (RANGE_NODES,)),
 )
 
 
 @kernel
 def profile_drag(profile, speed):
-    """Drag of the profile and its two derivatives by speed; held outside the speeds it was made for."""
+    """Drag of the profile (m/s2) and its two derivatives by speed; constant beyond its first and last
+    speed.
+    """
     v = clamp(speed, profile.final, profile.start)
     segment = 0 if v > profile.join else (1 if v > profile.level else 2)
     c0, c1, c2 = (
@@ -106,8 +110,8 @@ def profile_range(profile, speed):
 
 @kernel
 def path_sine(speed, drag, slope, gravity, scale_height):
-    """Sine of the flight-path angle at which drag follows a profile of value ``drag`` and derivative
-    ``slope`` by speed: from f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
+    """Sine of the flight-path angle along a profile f with the value ``drag`` (m/s2) and the derivative
+    ``slope`` by speed (1/s): from f' V' = f (-V sin(gamma)/H + 2 V'/V) with V' = -f - g sin(gamma).
     """
     stiff = slope - 2.0 * drag / speed
     return clamp(stiff / (speed * drag / (gravity * scale_height) - stiff) * drag / gravity, -0.99, 0.99)
@@ -152,7 +156,7 @@ def integrate_range(onboard, profile):
 
 
 def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: float, profile: np.void) -> None:
-    """Lay the profile along the planned reference.
+    """Fit the profile to the planned reference flight.
 
     Args:
         onboard: onboard record array of length one, its reference planned.
@@ -178,9 +182,9 @@ def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: flo
 
 
 def _segments(v: np.ndarray, d: np.ndarray, highest: np.ndarray) -> tuple[float, float, np.ndarray]:
-    """Joints and coefficients, shape (3, 3), closest to the drag ``d`` and not above ``highest`` at the
-    speeds ``v``.  For given joints the profile is linear in drag, slope and curvature at the first joint.  A
-    relative misfit counts as the range it costs.
+    """Joints and coefficients, shape (3, 3), of the best fit to the drag ``d`` at the speeds ``v`` that does
+    not exceed ``highest``. For given joints the profile is linear in drag, slope and curvature at the first
+    joint. A relative misfit is weighed by the range error that it causes.
     """
     weight, target = np.sqrt(np.abs(np.gradient(v)) * v) / d, np.minimum(d, highest)
     best, found = np.inf, (0.0, 0.0, np.zeros(3))

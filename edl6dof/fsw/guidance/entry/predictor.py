@@ -1,20 +1,20 @@
 """Onboard prediction of the entry, from the navigated state to the parachute, with a bank plan.
 
 Motion: a point mass over the rotating ellipsoid in Cartesian planet-fixed axes, with believed air, airframe
-and gravity with J2, and the mean wind that is expected: drag is along the velocity through that air, lift
-across it, at the bank angle about it.  The plan on the ground integrates the same equations.  Source: Vinh,
-Busemann & Culp 1980, "Hypersonic and Planetary Entry Flight Mechanics", chapter 2, here without a singular
-heading and with wind; the mean lift of a roll: derived.
+and gravity with J2, and the expected mean wind: drag is along the air-relative velocity, lift across it, at
+the bank angle about it. The planning on the ground integrates the same equations. Source: Vinh, Busemann &
+Culp 1980, "Hypersonic and Planetary Entry Flight Mechanics", chapter 2, here without a singular heading and
+with wind; mean lift during a roll: derived.
 
-Bank plan: one number sets its magnitude, two speeds its reversals.  Magnitude: the open-loop profile of the
-reference with its cosine shifted, or linear in kinetic energy from one angle now to another at the end.
-Side: the present one, changed at each of the speeds.  Sources: Lu 2014, "Entry guidance: a unified method",
-section IV.A (linear in energy); Smith 2016, AAS 16-216 (reversals as part of the plan).
+Bank plan: one number sets its magnitude, two speeds set its reversals. Magnitude: the open-loop profile of
+the reference with a shifted cosine, or linear in kinetic energy from one angle now to another at the end.
+Side: the present one, changed at each of the two speeds. Sources: Lu 2014, "Entry guidance: a unified
+method", section IV.A (linear in energy); Smith 2016, AAS 16-216 (reversals as part of the plan).
 
-Prediction: the plan is rolled at no more than the vehicle's rate from its present bank angle, reversals
-included; against the heading error where the shared steering aligns the heading; at last with level wings.
-Steps are taken for a fixed loss of speed, so they are steps of energy wherever drag counts.  Source: Lu 2014,
-section II (there with energy as independent variable).
+Prediction: the bank angle follows the plan from its present value at no more than the bank rate, reversals
+included; below the speed of heading alignment it follows the heading error; last, the wings are level. Each
+step has a fixed loss of speed, so it is a step of energy wherever drag is large. Source: Lu 2014, section II
+(there with energy as independent variable).
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ from edl6dof.spatial.vector import add, clamp, cross, dot, norm, scale, sub, uni
 
 @kernel
 def height_above_ellipsoid(planet, r):
-    """Height (m) along the radius; within 20 m of the geodetic height in the atmosphere of Mars."""
+    """Height (m) above the ellipsoid along the radius; within 20 m of the geodetic height in the atmosphere
+    of Mars.
+    """
     size = norm(r)
     squash = 1.0 - planet.flattening
     sine2 = r[2] * r[2] / (size * size)
@@ -64,8 +66,8 @@ def velocity_in_air(atmosphere, r, v, height):
 def acceleration(onboard, ratios, r, v, lift_shares):
     """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the planet-relative Mach number.
 
-    Drag and lift-to-drag ratio are the believed ones times the two ``ratios``; of the lift the two
-    ``lift_shares``, cosine and sine of a steady bank angle, point up and right.
+    Drag and lift-to-drag ratio are the believed ones times the two ``ratios``; ``lift_shares``: share of the
+    lift up and to the right, cosine and sine of a steady bank angle.
     """
     planet, vehicle = onboard.planet, onboard.vehicle
     height = height_above_ellipsoid(planet, r)
@@ -85,8 +87,8 @@ def acceleration(onboard, ratios, r, v, lift_shares):
 
 @kernel
 def step(onboard, ratios, r, v, a, lift_shares, dt):
-    """Position (m) and velocity (m/s) after ``dt`` (s) with the lift held, by the classical fourth-order
-    Runge-Kutta step; ``a`` is the acceleration at its beginning.
+    """Position (m) and velocity (m/s) after ``dt`` (s) at constant lift, by one classical fourth-order
+    Runge-Kutta step; ``a``: acceleration at its beginning (m/s2).
     """
     half = 0.5 * dt
     v2 = add(v, scale(half, a))
@@ -106,8 +108,8 @@ def step(onboard, ratios, r, v, a, lift_shares, dt):
 
 @kernel
 def roll(bank, goal, rate, dt):
-    """Bank angle (rad) after ``dt`` (s) of rolling to ``goal`` through zero at no more than ``rate`` (rad/s),
-    and the mean cosine and sine of it over that time: the lift that a step of the motion sees.
+    """Bank angle (rad) after ``dt`` (s) of rolling through zero to ``goal`` at no more than ``rate`` (rad/s),
+    and its mean cosine and sine over that time, which give the mean lift.
     """
     most = rate * dt
     after = clamp(goal, bank - most, bank + most)
@@ -121,37 +123,47 @@ def roll(bank, goal, rate, dt):
     return after, share * up + (1.0 - share) * cos(after), share * right + (1.0 - share) * sin(after)
 
 
-#: Kinds of plan.
+#: Kinds of bank plan.
 SHIFTED, LINEAR, IN_PLANE, HELD = range(4)
 
 
 @kernel
 def shifted(shift, side, first_turn, second_turn):
-    """Reference profile, cosine shifted; ``side`` +1 right, -1 left; reversal speeds (m/s), 0 for none."""
+    """Plan: reference profile with its cosine shifted; ``side`` +1 right, -1 left; reversal speeds (m/s), 0:
+    none.
+    """
     return SHIFTED, shift, 0.0, 0.0, side, first_turn, second_turn
 
 
 @kernel
 def in_plane_shifted(shift, first_turn, second_turn):
-    """The same without the sideways lift, which the reversals cancel: they only pass through lift up."""
+    """Plan as :func:`shifted` without sideways lift, which reversals cancel; a reversal only adds the roll
+    through lift up.
+    """
     return IN_PLANE, shift, 0.0, 0.0, 1.0, first_turn, second_turn
 
 
 @kernel
 def linear(bank, last_bank, speed, side, first_turn, second_turn):
-    """Linear in kinetic energy from ``bank`` at ``speed`` to ``last_bank`` (rad) at the final speed."""
+    """Plan linear in kinetic energy, from ``bank`` (rad) at ``speed`` (m/s) to ``last_bank`` at the final
+    speed.
+    """
     return LINEAR, bank, last_bank, speed, side, first_turn, second_turn
 
 
 @kernel
 def held(bank):
-    """One bank angle (rad), its sign included, all the way; the smallest bank magnitude is no limit to it."""
+    """Plan of one constant bank angle (rad), its sign included, which may be below the smallest bank
+    magnitude.
+    """
     return HELD, abs(bank), 0.0, 0.0, -1.0 if bank < 0.0 else 1.0, 0.0, 0.0
 
 
 @kernel
 def planned_bank(onboard, plan, speed):
-    """Bank angle (rad) of the plan at ``speed``, within limits; in plane, positive on the present side."""
+    """Bank angle (rad) of a plan at ``speed`` (m/s), within limits; for an in-plane plan positive on the
+    present side.
+    """
     entry = onboard.guidance.entry
     kind, first, last, start, side, first_turn, second_turn = plan
     if kind == HELD:
@@ -171,13 +183,15 @@ def planned_bank(onboard, plan, speed):
 
 @kernel
 def in_plane(plan):
-    """Return whether the sideways lift is left out."""
+    """Return whether a plan leaves out the sideways lift."""
     return plan[0] == IN_PLANE
 
 
 @kernel
 def next_corner(onboard, plan, speed):
-    """Highest speed (m/s) below ``speed`` at which the bank jumps: a step of the prediction ends there."""
+    """Highest speed (m/s) below ``speed`` at which the planned bank angle jumps; a step of the prediction
+    ends there.
+    """
     entry = onboard.guidance.entry
     corner = 0.0
     for other in (plan[5], plan[6], max(entry.align_speed, entry.heading.speed)):
@@ -189,7 +203,7 @@ def next_corner(onboard, plan, speed):
 SPEED_STEP = 40.0  # m/s lost in one step
 LONGEST_STEP, SHORTEST_STEP = 4.0, 0.05  # s
 MAX_STEPS = 400
-OFF_COURSE = 0.87  # cosine of the largest angle between course and aim point that is still ahead
+OFF_COURSE = 0.87  # cosine of the angle between course and aim point up to which this is ahead
 LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 
 
@@ -197,14 +211,14 @@ LOWEST = -5000.0  # m: below it a prediction has failed to slow down
 def predict(onboard, nav, out, plan):
     """Predict the flight from ``nav`` to the parachute with a bank plan.
 
-    Drag and lift-to-drag ratio are the onboard model times the ratios measured so far, from ``out``.  The
-    ratio of drag follows its trend with height.
+    Drag and lift-to-drag ratio are those of the onboard model times the measured ratios in ``out``. The drag
+    ratio follows its trend with height.
 
     Returns:
         downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), altitude
-        (m) and time (s) at the end.  The misses are relative to the great circle from here to the aim point,
-        or to the course if the aim point lies far off it.  With heading alignment, a plan that is not in
-        plane returns the crossrange at the start of the alignment.
+        (m) and time (s) at the end.  The misses are relative to the great circle to the aim point, or to the
+        course if the aim point lies far off the course.  With heading alignment, a plan that is not in plane
+        returns the crossrange at the start of the alignment.
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = fixed_state(planet, nav)
@@ -266,10 +280,11 @@ def predict(onboard, nav, out, plan):
 
 @kernel
 def direction_ahead(here, target, v):
-    """Return the horizontal direction at ``here`` along which downrange is counted, and how far (rad) the aim
-    point in direction ``target`` lies to the right of it.
+    """Return the horizontal unit direction at ``here`` along which downrange is measured, and the angle (rad)
+    by which the aim point in direction ``target`` lies right of it.
 
-    It is towards the aim point; where that is far off the course, abeam or behind, it is along the course.
+    The direction is that of the aim point; if the aim point is far off the course, abeam or behind, it is the
+    course.
     """
     ahead = unit(sub(target, scale(dot(target, here), here)))
     along = unit(sub(v, scale(dot(v, here), here)))
@@ -280,13 +295,15 @@ def direction_ahead(here, target, v):
 
 @kernel
 def present_bank(nav, out):
-    """Bank angle (rad), positive on the commanded side; negative while a reversal is short of lift up."""
+    """Bank angle (rad), positive on the commanded side; negative while a reversal has not reached lift up."""
     return abs(nav.bank) if out.side == 0.0 else out.side * nav.bank
 
 
 @kernel
 def to_aim(planet, target, r, v):
-    """Great-circle range to ``target`` (unit vector) and crossrange, m, as ``to_target`` has them."""
+    """Great-circle range to ``target`` (unit vector) and crossrange (m), defined as in
+    :func:`.aim_point.to_target`.
+    """
     up = unit(r)
     left = unit(cross(up, v))
     radius = planet.equatorial_radius
@@ -297,7 +314,7 @@ def to_aim(planet, target, r, v):
 
 @kernel
 def aim_direction(onboard):
-    """Unit vector (F) to the aim point, by its geodetic latitude as ``to_target`` measures range."""
+    """Unit vector (F) to the aim point by its geodetic latitude, as in :func:`.aim_point.to_target`."""
     planet, site = onboard.planet, onboard.site
     return unit(
         from_geodetic(planet.equatorial_radius, planet.flattening, site.aim_latitude, site.aim_longitude, 0.0)

@@ -1,12 +1,11 @@
 """The drag to follow: the reference drag, scaled so that the range it predicts is the range to go.
 
 Range along a drag profile is the integral of cos(gamma) dE / D (Zheng & Cui 2015, eqs. 11-12; Wu, Cui & Cui
-2013, eqs. 11 and 14-15); one number scales the profile, most in the middle of its energies.  What the papers
-leave out, the cosine of the flight-path angle, comes from the reference.
+2013, eqs. 11 and 14-15); one number scales the profile, with the largest change in the middle of its
+energies. The cosine of the flight-path angle, which the papers leave out, comes from the reference.
 
-Difference from the prints: the scale belongs to the energies of the whole reference, not to what is left of
-them, so that a profile which is followed to the end is the one that was asked for at the start: it moves only
-with the tracking error.
+Difference from the prints: the change is distributed over the energies of the whole reference, not over the
+energy that is left, so that a profile followed without tracking error keeps its scale to the end.
 """
 
 from __future__ import annotations
@@ -26,14 +25,14 @@ class TrackingParams(Params):
     """Following the reference drag: when it begins, and how far the range to go may change it."""
 
     start_drag_m_s2: float = param(
-        1.0, "drag at which tracking begins; before, the reference bank is held", ge=0.0
+        1.0, "drag at which tracking begins; before, the reference bank is flown", ge=0.0
     )
     update: bool = param(True, "whether the reference drag is scaled to meet the range to go")
     update_stop_m_s: float = param(900.0, "speed below which the range update is frozen", ge=0.0)
     scale_limit: float = param(0.4, "largest relative change of the reference drag", gt=0.0, lt=1.0)
 
 
-#: Newton steps at most, and the change of the scale that needs no further one: 1 m in 100 km.
+#: Most Newton steps, and the change of the scale at which they stop: 1 m in 100 km.
 ITERATIONS, RESOLUTION = 3, 1e-5
 
 #: Second derivative of ``shape``.
@@ -45,13 +44,13 @@ TRACKING = record(("scale", "f8"))
 
 @kernel
 def shape(share):
-    """Where along the energy the reference is changed (eq. 15)."""
+    """Factor f (eq. 15) of the change of the drag at a ``share`` (0..1) of the energies of the reference."""
     return 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
 
 
 @kernel
 def top_of(reference):
-    """Square root of twice the energy (m/s) that the reference begins with."""
+    """Square root of twice the energy (m/s) at which the reference begins."""
     return reference.first + (NODES - 1) * reference.spacing
 
 
@@ -103,8 +102,8 @@ def tracking(onboard, nav):
 
 @kernel
 def drag_goal(onboard, nav, memory, drag_rate, out):
-    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4) at the measured drag and
-    its rate; the range update included.  ``memory``: ``TRACKING``; the goal is in ``out.reference_drag``.
+    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4) at the measured drag and its
+    rate, after the range update. ``memory``: ``TRACKING`` record; ``out.reference_drag`` is written.
     """
     p, reference = onboard.guidance.entry.tracking, onboard.reference
     u = sqrt(2.0 * max(nav.energy, 0.0))
@@ -119,16 +118,16 @@ def drag_goal(onboard, nav, memory, drag_rate, out):
 
 @kernel
 def scaled(reference, scale, energy_speed, speed, along, drag, drag_rate):
-    """Reference drag times F = 1 + ``scale`` f at an energy, and its first and second time derivative (m/s2,
-    m/s3, m/s4) while the energy falls with the flight's own ``drag``: E' = -V D.  ``along``: gravity against
-    the velocity, m/s2.
+    """Reference drag times F = 1 + ``scale`` f, and its first and second time derivative (m/s2, m/s3, m/s4),
+    while the energy falls with the actual ``drag``: E' = -V D. ``energy_speed``: sqrt(2E), m/s; ``along``:
+    gravity against the velocity, m/s2.
     """
     i, f = node_of(reference, energy_speed)
     d = catmull_rom(reference.drag, NODES, i, f)
     first2, top = reference.first * reference.first, top_of(reference)
     span = 0.5 * (top * top - first2)
     share = held(0.5 * (energy_speed * energy_speed - first2) / span)
-    # by the energy: of the reference, whose rates belong to its own loss of energy, and of F
+    # derivatives by energy: of the reference, whose rates are along its own loss of energy, and of F
     d_rate = catmull_rom(reference.drag_rate, NODES, i, f)
     planned_rate, planned_acceleration = -speed * d, (d + along) * d - speed * d_rate
     slope = d_rate / planned_rate

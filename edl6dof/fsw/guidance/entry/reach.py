@@ -1,19 +1,19 @@
-"""Reach of the entry: the range that is left at the smallest bank angle, and the reversals that the largest
-one affords.  Both are predicted; source: derived.
+"""Reach of the entry: the remaining range at the smallest bank angle, and the reversals that the largest bank
+angle allows. Both are predicted; source: derived.
 
-Range at the smallest bank.  It is kept for crossrange: flown now to one side, now to the other, it leaves
-both in reach.  The range that it costs grows with its square, while the crossrange of the two sides cancels.
-The longest range without crossrange is that of one bank angle held to the end, its sign included, mostly all
-but lift up.  Where the smallest bank ends short even if it is held to the end, that one is flown; with a
-reserve of range as large as the gain from giving up the smallest bank, the smallest bank is; in between the
-mean of the two by that reserve.  Density that has been met does not come back: range is to be saved before it
-is short.  Crossrange is taken as linear between two predictions.
+Range at the smallest bank. The smallest bank angle preserves crossrange control: flown to alternating sides,
+it leaves both sides in reach. Its loss of range grows with its square, while the crossrange of the two sides
+cancels. The longest range without crossrange is that of one signed bank angle, held to the end, mostly near
+lift up. Where the smallest bank ends short, this straight bank angle is flown; where the reserve of range is
+as large as the gain of the straight bank angle, the smallest bank is flown; in between, the mean of the two
+weighed by the reserve. Lost range cannot be regained: it has to be saved before it is short. Crossrange is
+interpolated linearly between two predictions.
 
-Reversals.  Rolling through lift up takes time and adds range, and an excess that the largest bank angle
-cannot take out again is missed.  While the aim point stays in reach a reversal is made when the logic asks
-for it.  Otherwise the miss of range and crossrange together decides: a reversal waits as long as a later one,
-or none at all, ends nearer to the aim point or hardly farther away, since shortly before the aim point a
-corridor of heading is narrower than anything that matters.  Flown ahead at the vehicle's bank rate.
+Reversals. Rolling through lift up takes time and adds range, and an excess of range that the largest bank
+angle cannot remove is a miss. While the aim point stays in reach a reversal is made when the logic requests
+it. Otherwise the miss of range and crossrange together decides: a reversal waits as long as a later one, or
+none, ends nearer to the aim point or hardly farther away, since shortly before the aim point a heading
+corridor is narrower than any relevant miss. The predictions use the bank rate of the vehicle.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def straight_bank(onboard, nav, out):
-    """Bank angle (rad), within the smallest magnitude, of least predicted crossrange if held to the end."""
+    """Bank angle (rad), of at most the smallest magnitude, with the least predicted crossrange if held to the
+    end.
+    """
     least = onboard.guidance.entry.bank_min
     _, right, _, _ = predict(onboard, nav, out, held(least))
     _, left, _, _ = predict(onboard, nav, out, held(-least))
@@ -35,8 +37,8 @@ def straight_bank(onboard, nav, out):
 
 @kernel
 def stretched(onboard, nav, out, side, turn, later):
-    """Bank angle (rad), its sign included, in the place of the smallest one to ``side`` with reversals at the
-    speeds ``turn`` and ``later`` (m/s), 0 for none.
+    """Bank angle (rad), its sign included, that replaces the smallest one to ``side``, whose reversals are at
+    the speeds ``turn`` and ``later`` (m/s; 0: none).
     """
     least = onboard.guidance.entry.bank_min
     smallest = linear(least, least, nav.speed, side, turn, second_turn=later)
@@ -47,16 +49,16 @@ def stretched(onboard, nav, out, side, turn, later):
     return straight + share * (side * least - straight)
 
 
-#: Speed (m/s) by which a reversal is put off to see whether later is better.
+#: Delay of a reversal, as loss of speed (m/s), in the comparison with a later one.
 LATER = 100.0
-#: By how much (m) a reversal has to end nearer to be made: what guidance itself leaves in calm air.
+#: Advantage (m) that a reversal now must have to be made: the miss of guidance in calm air.
 WORTH = 100.0
 
 
 @kernel
 def nearest_end(onboard, nav, out, side, turn):
-    """Range (m) by which the aim point is overflown at the largest bank angle, none if it is not, and the
-    crossrange, from ``side`` with a reversal at the speed ``turn`` (m/s), 0 for none.
+    """Range (m) by which the largest bank angle overflies the aim point, 0 if it does not, and crossrange
+    (m), from ``side`` with a reversal at the speed ``turn`` (m/s; 0: none).
     """
     most = onboard.guidance.entry.bank_max
     largest = linear(most, most, nav.speed, side, turn, second_turn=0.0)
@@ -66,8 +68,8 @@ def nearest_end(onboard, nav, out, side, turn):
 
 @kernel
 def reversed_in_reach(onboard, nav, out, sign):
-    """Side to bank to where the logic asks to leave side ``sign``: the other one, or ``sign`` while that ends
-    nearer to the aim point or hardly farther away.
+    """Side to bank to where the logic requests to leave side ``sign``: the other one, or still ``sign`` while
+    staying ends nearer to the aim point or hardly farther away.
     """
     over, aside = nearest_end(onboard, nav, out, -sign, 0.0)
     if over == 0.0:

@@ -1,11 +1,10 @@
-"""Reference trajectory: the entry as it is planned before the flight, at an open-loop bank profile.
+"""Reference trajectory: the entry planned before the flight, with an open-loop bank profile.
 
-It is flown on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile that is linear in speed
-between points and constant beyond the ends.  By default the profile is shifted, by one number added to
-cos(bank), so that it ends at the aim point.  The quantities that guidance needs are tabulated over the square
-root of twice the specific energy, which is near the speed.
-Sources: bank profile in segments over speed, Zheng & Cui 2015, section 3.2; with linear ones, Yan, Sun & Guo
-2016, section 3.
+It is computed on the ground (:mod:`edl6dof.scenario.planned_entry`) with a bank profile that is linear in
+speed between points and constant beyond the ends. By default the profile is shifted, by one number added to
+cos(bank), so that it ends at the aim point. Its drag and range are tabulated over the square root of twice
+the specific energy, which is near the speed. Sources: bank profile in segments over speed, Zheng & Cui 2015,
+section 3.2; with linear ones, Yan, Sun & Guo 2016, section 3.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ class BankPoint(Params):
 
     at: float = param(REQUIRED, "speed in m/s, or time from t = 0 in s", ge=0.0, le=20e3)
     bank_deg: float = param(
-        REQUIRED, "bank angle there; linear between points, constant beyond the ends", ge=-180.0, le=180.0
+        REQUIRED, "bank angle at the point; linear between points, constant beyond them", ge=-180.0, le=180.0
     )
 
 
@@ -43,7 +42,7 @@ def must_ascend(points: Sequence[BankPoint]) -> None:
     """Refuse points that do not ascend.
 
     Raises:
-        ValueError: they do not.
+        ValueError: the points do not ascend.
     """
     if any(after.at <= before.at for before, after in zip(points, points[1:], strict=False)):
         raise ValueError("the points must ascend in 'at'")
@@ -62,12 +61,12 @@ def bank_at(points, count, x):
 
 
 NODES = 256
-#: Standard deviation of the window that the planned drag is smoothed over, s.
+#: Standard deviation of the window that smooths the planned drag, s.
 SMOOTHED = 1.0
 
 
 class ReferenceBankParams(Params):
-    """Open-loop bank profile of the reference trajectory: magnitudes over speed; zero in alignment."""
+    """Open-loop bank profile of the reference trajectory: magnitude over speed; zero in heading alignment."""
 
     points: Annotated[list[BankPoint], Capacity(MAX_POINTS)] = param(
         None,
@@ -77,7 +76,7 @@ class ReferenceBankParams(Params):
         max_length=MAX_POINTS,
     )
     fit_range: bool = param(
-        True, "whether cos(bank) is shifted, alike at all speeds, so that the range ends at the aim point"
+        True, "whether cos(bank) is shifted, by one constant, so that the reference ends at the aim point"
     )
 
     @model_validator(mode="after")
@@ -89,9 +88,9 @@ class ReferenceBankParams(Params):
 
 
 REFERENCE = record(
-    ("first", "f8"),
-    ("spacing", "f8"),
-    ("shift", "f8"),
+    ("first", "f8"),  # m/s: sqrt(2E) of the first node, at the end of the entry
+    ("spacing", "f8"),  # m/s: from node to node
+    ("shift", "f8"),  # of cos(bank)
     ("drag", "f8", (NODES,)),
     ("drag_rate", "f8", (NODES,)),
     ("drag_acceleration", "f8", (NODES,)),
@@ -106,12 +105,12 @@ PLANNED = record(
     ("path_angle", "f8"),  # rad
     ("azimuth", "f8"),  # rad
     ("energy", "f8"),  # J/kg
-    ("beyond", "f8"),  # m, beyond the aim point along the great circle from the start
-    ("aside", "f8"),  # m, right of it
+    ("beyond", "f8"),  # m, downrange beyond the aim point, on the great circle from the start
+    ("aside", "f8"),  # m, crossrange, positive right of the aim point
     ("bank", "f8"),  # rad, commanded
     ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
     ("mach", "f8"),
-    ("drag", "f8"),  # m/s2, in the expected wind, as the next two
+    ("drag", "f8"),  # m/s2, in the expected wind, as load and dynamic pressure
     ("load", "f8"),  # m/s2
     ("dynamic_pressure", "f8"),  # Pa
     ("density", "f8"),  # kg/m3
@@ -120,7 +119,9 @@ PLANNED = record(
 
 @kernel
 def point_mass(onboard, h, v, gamma, bank):
-    """Rates of (altitude, speed, flight-path angle, ground range) and the drag acceleration."""
+    """Rates of altitude (m/s), speed (m/s2), flight-path angle (rad/s) and ground range (m/s), and the drag
+    acceleration (m/s2).
+    """
     planet, vehicle = onboard.planet, onboard.vehicle
     r = planet.equatorial_radius + h
     g = planet.mu / (r * r)
@@ -139,8 +140,8 @@ def point_mass(onboard, h, v, gamma, bank):
 
 @kernel
 def reference_bank(onboard, shift, speed):
-    """Bank angle (rad) of the open-loop profile at a speed, its cosine shifted by ``shift``, inside the
-    limits that all laws share; zero in heading alignment, which banks to either side of it.
+    """Bank angle (rad) of the open-loop profile at ``speed`` (m/s), its cosine shifted by ``shift``, within
+    the limits of all laws; zero in heading alignment, where the bank is to either side.
     """
     entry = onboard.guidance.entry
     if speed <= max(entry.align_speed, entry.heading.speed):
@@ -152,22 +153,24 @@ def reference_bank(onboard, shift, speed):
 
 @kernel
 def node_of(reference, energy_speed):
-    """Node below ``energy_speed`` = sqrt(2E) (m/s) and the share of the way to the next; held at the ends."""
+    """Node below ``energy_speed`` = sqrt(2E) (m/s) and fraction of the way to the next; limited to
+    the ends.
+    """
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
 def fill_reference(planned: np.ndarray, table: np.void) -> None:
-    """Tabulate the planned entry into a ``REFERENCE`` record, its shift left as it is.
+    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept.
 
     The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
-    another time in flight, leaves no step in the derivatives.  They are those of the tabulated drag along the
-    planned loss of energy, and the range is the planned one along the tabulated drag.
+    another time in flight, leaves no step in the derivatives. The derivatives are those of the tabulated drag
+    along the planned loss of energy; the ground range matches the plan along the tabulated drag.
     """
     t, energy = planned["t"], planned["energy"]
     u = np.sqrt(2.0 * np.maximum(energy, 0.0))
     drag = _smoothed(t, planned["drag"])
     rate = np.gradient(drag, t)
-    # the energy falls from the moment drag beats nothing; keep the part where it is strictly decreasing
+    # keep the part in which the energy is strictly decreasing
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
     table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
@@ -182,8 +185,8 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
 
 
 def _smoothed(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Logarithm-weighted means of positive ``values`` over a window of ``SMOOTHED`` seconds that leaves a
-    parabola, and so the peak of drag, as it is: a normal one times 1.5 - 0.5 x^2.
+    """Return weighted means of positive ``values``, of their logarithms, over a window of ``SMOOTHED``
+    seconds: a normal window times 1.5 - 0.5 x^2, which preserves a parabola and so the peak of drag.
     """
     even = t[0] + (t[1] - t[0]) * np.arange(ceil((t[-1] - t[0]) / (t[1] - t[0])))
     reach = int(4.0 * SMOOTHED / (t[1] - t[0]))

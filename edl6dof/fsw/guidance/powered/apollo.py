@@ -1,8 +1,8 @@
 """Apollo's quadratic guidance: final position, at rest, and final acceleration.
 
-a = a_T - 6 (v_T + v) / t_go + 12 (r_T - r) / t_go^2 with v_T = 0, quadratic in time.  The final acceleration
-is upright and what the plan leaves the engine (:mod:`.planning`); the time to go is the one with no jerk
-upwards at arrival, as Apollo's came from a condition on the final jerk.  Source: Klumpp, "Apollo Lunar
+a = a_T - 6 (v_T + v) / t_go + 12 (r_T - r) / t_go^2 with v_T = 0, quadratic in time. The final acceleration
+is upward and follows from the plan of the arrival (:mod:`.target`); the time to go is that of zero upward
+jerk at arrival, as in Apollo, where it came from a condition on the final jerk. Source: Klumpp, "Apollo Lunar
 Descent Guidance", Automatica 10 (1974) 133-146.
 """
 
@@ -25,7 +25,7 @@ _GAINS = (1.0, 4.0)
 @kernel
 def quadratic(miss, velocity, final, t_go):
     """Acceleration (m/s2, without gravity) along one axis; ``miss`` is target less position, m, ``final`` the
-    acceleration at arrival.
+    acceleration at arrival, m/s2.
     """
     return final - 6.0 * velocity / t_go + 12.0 * miss / (t_go * t_go)
 

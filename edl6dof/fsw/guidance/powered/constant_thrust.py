@@ -1,11 +1,11 @@
 """Constant thrust at a preset offset from the anti-velocity direction, then the polynomial law.
 
-The engine burns at its full level, turned from the anti-velocity direction towards the target, until a
-constant deceleration within the throttle band, less the reserve, takes the lander from where it is to the
-target, which is asked in each call.  The polynomial law, with a planned time to go, meets the target after
-that.  Source: CN108594802B, claim 1 (Tianwen-1: constant thrust at a preset offset from the anti-velocity,
-burn time from initial and target state, then a refinement); offset, the condition at the end of the burn, and
-the refinement are estimates.
+The engine burns at its full level, turned from the anti-velocity direction towards the target. Each call
+tests whether a constant deceleration within the throttle band, less the reserve, would stop the lander at the
+target; from then on the polynomial law, with a planned time to go, flies to the target. Source: CN108594802B,
+claim 1 (Tianwen-1: constant thrust at a preset offset from the anti-velocity, burn time from initial and
+target state, then a refinement); offset, the condition at the end of the burn, and the refinement are
+estimates.
 """
 
 from __future__ import annotations

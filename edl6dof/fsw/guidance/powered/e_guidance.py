@@ -1,11 +1,11 @@
 """E-guidance, which is zero-effort-miss/zero-effort-velocity guidance: least integral of the squared thrust
 acceleration to a final position at rest.
 
-a = 6 ZEM / t_go^2 - 2 ZEV / t_go, linear in time; ZEM and ZEV are position and velocity that would be
-missing at arrival without thrust.  The time to go is the one that makes the integral least over all times (a
-quartic), or longer where engine and tilt ask for it (:mod:`.planning`).  Sources: Cherry, AIAA 64-638
-(E-guidance); D'Souza, AIAA 97-3709 (time to go); Ebrahimi, Bahrami & Roshanian, Acta Astronautica 62 (2008)
-556-562, and Guo, Hawkins & Wie, J. Guidance 36 (2013) 810-820 (ZEM/ZEV).
+a = 6 ZEM / t_go^2 - 2 ZEV / t_go, linear in time; ZEM and ZEV are the errors of position and velocity at
+arrival without thrust. The time to go is that of the least integral over all times (a quartic equation), or
+longer where engine and tilt require it (:mod:`.target`). Sources: Cherry, AIAA 64-638 (E-guidance); D'Souza,
+AIAA 97-3709 (time to go); Ebrahimi, Bahrami & Roshanian, Acta Astronautica 62 (2008) 556-562, and Guo,
+Hawkins & Wie, J. Guidance 36 (2013) 810-820 (ZEM/ZEV).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class EGuidanceParams(PlanningParams):
 _GAINS = (2.0, 6.0)
 
 
-#: Times to go (s) between which the quartic is searched, the ratio of neighbours, and halvings after that.
+#: Search for the root of the quartic: shortest and longest time to go (s), ratio of neighbours, bisections.
 _SHORTEST, _LONGEST, _RATIO, _HALVINGS = 0.1, 1e4, 1.1, 40
 
 
@@ -44,9 +44,9 @@ def effort_rate(t, gravity, position, velocity):
 
 @kernel
 def optimal_time(gravity, position, velocity):
-    """Time to go (s) of the least cost, for a state relative to the target (m, m/s; north, east, up).
+    """Time to go (s) of least cost, for a state relative to the target (m, m/s; north, east, up).
 
-    Of several minima the one of the shortest time: the longer ways pass the target and come back.
+    Of several minima the first is taken: the later ones pass the target and return.
     """
     high = _SHORTEST
     while effort_rate(high, gravity, position, velocity) <= 0.0 and high < _LONGEST:
@@ -63,9 +63,7 @@ def optimal_time(gravity, position, velocity):
 
 @kernel
 def zem_zev(miss, velocity, gravity, t_go):
-    """Thrust acceleration (m/s2) along one axis; ``miss``: target less position, m; no ``velocity`` is wanted
-    at arrival.
-    """
+    """Thrust acceleration (m/s2) along one axis to rest at arrival; ``miss``: target less position, m."""
     zem = miss - velocity * t_go - 0.5 * gravity * t_go * t_go
     zev = -velocity - gravity * t_go
     return 6.0 * zem / (t_go * t_go) - 2.0 * zev / t_go

@@ -1,8 +1,8 @@
 """Gravity turn: thrust against the velocity, sized for a constant deceleration to rest at the final height.
 
 Source: Cheng, "Lunar Terminal Descent Guidance by Gravity-Turn Trajectory", AIAA 66-1863; here the
-deceleration needed is taken from the remaining height and speed, v^2 / (2 h), along the path.  The turn is
-over where the vehicle is at rest: a thrust against the velocity brings it no lower.
+deceleration needed is taken from the remaining height and speed, v^2 / (2 h), along the path. The turn ends
+where the vehicle is at rest, since thrust against the velocity brings it no lower.
 """
 
 from __future__ import annotations

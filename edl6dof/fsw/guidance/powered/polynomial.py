@@ -1,11 +1,11 @@
-"""Polynomial guidance: the thrust acceleration that meets a final position at rest at a given time to go.
+"""Polynomial guidance: the thrust acceleration to a final position at rest in a given time to go.
 
-Upwards a = 6 (r_f - r) / t_go^2 - 4 v / t_go, linear in time, with free final acceleration; sideways
-a = 12 (r_f - r) / t_go^2 - 6 v / t_go, quadratic in time, whose final acceleration is zero: the thrust ends
-upright, as S1 6.2 asks, and most of the divert comes at the start.  Gravity is added.  It ends when the
-target is expected to be reached.  Source: the quadratic law of Apollo's powered descent (Klumpp, Automatica
-10 (1974) 133-146), without and with a given final acceleration; used for Tianwen-1's powered deceleration as
-an estimate (the flown law is published elsewhere).
+Upwards a = 6 (r_f - r) / t_go^2 - 4 v / t_go, linear in time, with free final acceleration; sideways a = 12
+(r_f - r) / t_go^2 - 6 v / t_go, quadratic in time, whose final acceleration is zero: the thrust ends upright,
+as S1 6.2 requires, and most of the divert comes at the start. Gravity is added. The time to go ends at the
+expected arrival. Source: the quadratic law of Apollo's powered descent (Klumpp, Automatica 10 (1974)
+133-146), without and with a given final acceleration; used for Tianwen-1's powered deceleration as an
+estimate (the flown law is published elsewhere).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The powered guidance laws of the deceleration phase.
 
-A member has one kernel, ``guide(params, vehicle, state, nav, target, memory, out)``: it returns the thrust
-acceleration it wants, north, east and up (m/s2, gravity included), and the tilt limit (rad).  ``params`` and
-``memory`` are its own; ``vehicle`` is the believed one, ``state`` its mass and what its engines can do now;
-``target`` is where it shall be at rest; it writes the time to go into ``out``.
+A member has one kernel, ``guide(params, vehicle, state, nav, target, memory, out)``: it returns the wanted
+thrust acceleration north, east and up (m/s2, gravity included) and the tilt limit (rad), and writes the time
+to go into ``out``. ``params`` and ``memory`` belong to the member; ``vehicle`` is the believed vehicle,
+``state`` its mass and the present ability of its engines, ``target`` the point of rest.
 """
 
 from __future__ import annotations

@@ -1,24 +1,24 @@
-"""Where a gravity turn stops the lander: braking in time, and the descent on a stuck throttle.
+"""Height at which a gravity turn stops the lander, for braking in time and for the descent on a stuck
+throttle.
 
 Braking in time: each call computes the height at which a gravity turn at full thrust would bring the lander
-to rest.  While that is above the least height of the target, the acceleration of the law is flown, whichever
-law it is.  Otherwise every limit of the law gives way to a gravity turn at full thrust, which leaves the
-least speed at the ground, until the throttle band alone stops the lander above that height, or full thrust
-above the target.  The axial thrusters, which burn at full thrust, are left out: they make up for the lag of
-the engine.
+to rest. While this is above the least height of the target, the acceleration of the law is flown. Otherwise a
+gravity turn at full thrust, which gives the least speed at the ground, replaces the law and its limits, until
+the throttle band alone stops the lander above the least height, or full thrust above the target. The axial
+thrusters, which fire at full thrust, are left out: they compensate the lag of the engine.
 
-Stuck throttle: an engine whose throttle is stuck above the weight stops the lander in the air and carries it
-up again; only the time of its burn can still be chosen.  Each call computes the height at which it would
-bring the lander to rest, if it braked from now on.  While that is well above the ground the engine is off and
-the lander falls; where it is the ground, the engine is lit again.  The axial thrusters are planned with for a
-share of their force, so that they correct to both sides: on while the stop lies too low.  Just above the
-ground, where a fall does no harm any more, the engine is cut off.  Events and phases belong to the mission:
-one phase that cuts the engine off and lasts until ``stop_height_m`` is low, and one that lights it, with a
-cut-off where ``time_to_go_s`` is over.
+Stuck throttle: an engine whose throttle is stuck above the weight stops the lander in the air and lifts it
+again; only the time of its burn can still be chosen. Each call computes the height at which the engine would
+bring the lander to rest if it burned from now on. While this is well above the ground the engine is off and
+the lander falls; when it reaches the ground, the engine is lit again. The computation includes a share of the
+force of the axial thrusters, so that they can correct in both directions: they fire while the stop is too
+low. Just above the ground, where a fall is harmless, the engine is cut off. Events and phases belong to the
+mission: one phase that cuts the engine off and lasts until ``stop_height_m`` is low, and one that lights it,
+with a cut-off where ``time_to_go_s`` is over.
 
-Source: Cheng, AIAA 66-1863 (gravity turn); to brake with full thrust as late as possible takes the least
-propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484), so that no later moment would do; one
-burn of constant thrust to the ground: this project.
+Source: Cheng, AIAA 66-1863 (gravity turn); to brake with full thrust as late as possible needs the least
+propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484); one burn of constant thrust to the
+ground: this project.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ from edl6dof.interface.effectors import AXIAL, ENGINE_FULL, ENGINE_THROTTLE
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import tan
 
-#: Step (s) in which the stop is looked for, how far below the ground (m), and least descent rate (m/s) that
-#: thrust is turned by.
+#: Step (s) of the integration to the stop, depth below the ground (m) at which it ends, and least descent
+#: rate (m/s) in the direction of thrust.
 STEP, DEEP, LEAST_DESCENT = 0.1, 1000.0, 3.0
-#: Descent rate (m/s) at which the lander has stopped: what follows takes it from there.
+#: Descent rate (m/s) at which the lander counts as stopped.
 STOPPED = 2.0
 
 
 @kernel
 def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sideways, descent):
-    """Height (m) at which a gravity turn from here is down to a descent rate of ``stop_speed`` (m/s); far
-    below zero where it is not stopped.
+    """Height (m) at which a gravity turn from the present state reaches a descent rate of ``stop_speed``
+    (m/s); far below zero if it does not.
 
     Args:
-        tilt_limit: of the thrust, rad.
+        tilt_limit: largest tilt of the thrust, rad.
         stop_speed: m/s.
         thrust: N, constant.
-        flow, mass: propellant, kg/s, and mass, kg.
+        flow, mass: propellant flow, kg/s; mass, kg.
         gravity: m/s2.
         height: above ground, m.
         sideways, descent: horizontal speed and descent rate, m/s.
@@ -74,7 +74,7 @@ def stop_height(tilt_limit, stop_speed, thrust, flow, mass, gravity, height, sid
 
 @kernel
 def stop_at(thrust, tilt_limit, engine, nav, mass):
-    """Height (m) at which a gravity turn with this ``thrust`` (N) stops the lander from where it is."""
+    """Height (m) at which a gravity turn with this ``thrust`` (N) from the present state stops the lander."""
     return stop_height(
         tilt_limit,
         stop_speed=STOPPED,
@@ -90,16 +90,16 @@ def stop_at(thrust, tilt_limit, engine, nav, mass):
 
 @kernel
 def brake_in_time(wanted, engine, nav, mass, target, braking, out):
-    """Choose the acceleration (north, east, up, m/s2, gravity included): that of the law or of a gravity turn
-    at full thrust; returns it, and whether it is the latter.
+    """Choose the acceleration (north, east, up, m/s2, gravity included) of the law or that of a gravity turn
+    at full thrust; returns it, and whether it is that of the gravity turn.
 
     Args:
-        wanted: acceleration of the law, with its tilt limit (rad) as the last.
-        engine: ``ENGINE_ABILITY`` record of those that burn.
+        wanted: acceleration of the law, then its tilt limit (rad).
+        engine: ``ENGINE_ABILITY`` record of the burning engines.
         nav, mass: ``NAV`` record; kg.
         target: ``POWERED_TARGET`` record.
-        braking: whether it was the latter before.
-        out: ``GUIDE`` record, written: full level, time to go, and what is relaxed.
+        braking: whether the last call chose the gravity turn.
+        out: ``GUIDE`` record, written: full level, time to go, relaxed constraints, landing error.
     """
     north, east, up, tilt_limit = wanted
     descent = nav.v_N[2]
@@ -121,18 +121,18 @@ class StuckThrottleDescentParams(Params):
     """Descent on a throttle that is stuck."""
 
     thruster_share: float = param(
-        0.4, "share of the axial thrusters' force planned for braking", status="estimate", ge=0.0, le=1.0
+        0.4, "share of the axial thrusters' force included in the braking", status="estimate", ge=0.0, le=1.0
     )
     stop_height_m: float = param(
-        1.0, "height at which the lander is to come down to stop_speed_m_s", status="estimate", ge=0.0
+        1.0, "height at which the lander is to reach stop_speed_m_s", status="estimate", ge=0.0
     )
-    stop_speed_m_s: float = param(1.0, "descent rate there", status="estimate", gt=0.0)
-    start_s: float = param(0.3, "from lighting the engine to its thrust", status="estimate", ge=0.0, le=60.0)
+    stop_speed_m_s: float = param(1.0, "descent rate at the stop", status="estimate", gt=0.0)
+    start_s: float = param(0.3, "time from ignition to thrust", status="estimate", ge=0.0, le=60.0)
     tilt_limit_deg: float = param(30.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     upright_below_m: float = param(8.0, "height below which the lander stays nearly upright", ge=0.0)
-    upright_tilt_deg: float = param(2.0, "largest tilt below that", ge=0.0, le=20.0)
+    upright_tilt_deg: float = param(2.0, "largest tilt below upright_below_m", ge=0.0, le=20.0)
     drop_speed_m_s: float = param(
-        2.5, "speed of a fall to the ground up to which the engine is cut off above it", gt=0.0
+        2.5, "impact speed of a free fall up to which the engine is cut off", gt=0.0
     )
 
 
@@ -170,7 +170,7 @@ def expect_stop(p, vehicle, state, nav):
 
 @kernel
 def descend_on_stuck_throttle(p, terminal, vehicle, state, nav, bias, out):
-    """Command thrust against the velocity, and when it is to begin and to end.
+    """Command thrust against the velocity, and when the burn begins and ends.
 
     Args:
         p: ``StuckThrottleDescentParams`` record.

@@ -1,17 +1,16 @@
 """Target of powered deceleration: the point and height of rest, and the time to go until they are reached.
 
-The point is chosen once, where the engine lights: ahead of the lander by a share of its drift over the time
-that a constant deceleration takes, less a divert against the drift, away from the backshell; or where coarse
-hazard avoidance has chosen it.  Source of backshell avoidance: Hu et al. 2022, section 6.2; the rule is an
-estimate.
+The point is chosen once, at ignition: ahead of the lander by a share of its drift over the time of a constant
+deceleration, less a divert against the drift, away from the backshell; or it is the choice of coarse hazard
+avoidance. Source of backshell avoidance: Hu et al. 2022, section 6.2; the rule is an estimate.
 
-A law that plans its time to go takes it from the limits of engine and tilt.  One whose upward acceleration is
-linear in time, or quadratic and flat at its end, needs at arrival a = (d h - s V) / T^2 with h the height to
-lose, V the descent rate and T the time to go.  The plan takes the shortest T that keeps this within the
-throttle band, less a reserve for feedback, in which the divert can be flown within the tilt limit, and that
-is no shorter than the law itself wants.  From then on T follows from a, which the law brings about if nothing
-disturbs it.  Source: Klumpp, Automatica 10 (1974) 133-146, who solves for T by a condition at arrival in
-every cycle; the limits are this project's own.
+A law that plans its time to go derives it from the limits of engine and tilt. A law whose upward acceleration
+is linear in time, or quadratic with zero final slope, needs at arrival a = (d h - s V T) / T^2 with h the
+height to lose, V the descent rate and T the time to go. The plan uses the shortest T for which a is within
+the throttle band, less a reserve for feedback, the divert is within the tilt limit, and which is no shorter
+than the law wants. From then on T is computed from a, which the law produces in the absence of disturbances.
+Source: Klumpp, Automatica 10 (1974) 133-146, who solves for T by a condition at arrival in every cycle; the
+limits are this project's own.
 """
 
 from __future__ import annotations
@@ -25,9 +24,9 @@ from edl6dof.records import FLAG, record
 from edl6dof.spatial.elementary import exp, sin
 from edl6dof.spatial.vector import clamp
 
-#: Least height above the target (m) and descent rate (m/s) from which the time of arrival is worked out.
+#: Least height above the target (m) and descent rate (m/s) in the computation of the time of arrival.
 ARRIVAL_HEIGHT, ARRIVAL_DESCENT = 50.0, 5.0
-#: Share of the target's height at which the lander may come to rest where it cannot at the target.
+#: Least height of rest where the target height is out of reach, over the target height.
 LEAST_SHARE = 0.3
 
 
@@ -58,14 +57,14 @@ POWERED_TARGET = record(
     ("arrival", "f8"),  # s: flight time at which the lander is expected there
     ("point_L", "f8", (2,)),  # m, L: east and north of the landing site
     ("height", "f8"),  # m: above the ground
-    ("least_height", "f8"),  # m: above the ground, to come to rest at where the target cannot be reached
+    ("least_height", "f8"),  # m: above the ground, least height of rest where the target is out of reach
 )
 
 
 @kernel
 def choose_target(p, nav, point, target):
     """Set ``target`` (``POWERED_TARGET``) unless it is set already; ``point``: ``LANDING_POINT`` record,
-    whose coarse point is taken where one is chosen.
+    whose coarse point is used if chosen.
     """
     if target.set != 0:
         return
@@ -87,8 +86,8 @@ def choose_target(p, nav, point, target):
 
 @kernel
 def meet(floor, lateral_floor, t_go, nav, target):
-    """Thrust acceleration north, east, up (m/s2, gravity included) that is at rest at the target in ``t_go``
-    s; below the floors (s) its gains of height and lateral ones grow no further.
+    """Thrust acceleration north, east, up (m/s2, gravity included) to rest at the target in ``t_go`` s; the
+    gains of height and the lateral gains are limited by the least times ``floor`` and ``lateral_floor`` (s).
     """
     t = max(t_go, floor)
     up = 6.0 * (target.height - nav.height) / (t * t) + 4.0 * nav.v_N[2] / t
@@ -99,8 +98,8 @@ def meet(floor, lateral_floor, t_go, nav, target):
     return north, east, clamp(up + nav.gravity, 0.5 * nav.gravity, 20.0)
 
 
-#: Least upward acceleration at arrival (m/s2) that is planned for, however weak the engine, as the propellant
-#: has to last, and least height to lose (m).
+#: Least planned upward acceleration at arrival (m/s2), also for a weak engine, to save propellant; least
+#: height to lose (m).
 LEAST_UPWARD, LEAST_HEIGHT = 0.5, 1.0
 
 
@@ -109,7 +108,7 @@ class PlanningParams(Params):
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
     thrust_reserve: float = param(
-        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
+        0.1, "share of throttle band and tilt limit reserved for feedback", status="estimate", ge=0.0, le=0.5
     )
     time_floor_s: float = param(2.5, "smallest time to go used in the gains of height", gt=0.0)
     lateral_time_floor_s: float = param(
@@ -119,14 +118,16 @@ class PlanningParams(Params):
 
 PLAN = record(
     ("made", FLAG),
-    ("upward", "f8"),  # m/s2, gravity taken off, at arrival
+    ("upward", "f8"),  # m/s2, at arrival, without gravity
     ("arrival", "f8"),  # s, flight time
 )
 
 
 @kernel
 def planned_upward(reserve, state, nav, target):
-    """Upward acceleration at arrival (m/s2, no gravity), with the throttle band less the reserve."""
+    """Upward acceleration at arrival (m/s2, gravity subtracted) at the upper end of the throttle band less
+    the reserve.
+    """
     engine = state.engine
     spent = nav.speed + nav.gravity * max(target.arrival - nav.t, 0.0)
     mass = state.mass * exp(-spent / (G0 * engine.specific_impulse))
@@ -142,8 +143,8 @@ def root(a, s, d):
 
 @kernel
 def time_to_divert(sideways, nav, target):
-    """Shortest time to go (s) in which the lateral law of least effort, a = 6 r / T^2 - 4 v / T with r what
-    is left of the way, begins with no more than ``sideways`` (m/s2).
+    """Shortest time to go (s) in which the lateral law of least effort, a = 6 r / T^2 - 4 v / T with the
+    remaining way r, begins with no more than ``sideways`` (m/s2).
     """
     north, east = target.point_L[1] - nav.site_L[1], target.point_L[0] - nav.site_L[0]
     away = max(sqrt(north * north + east * east), 1e-6)
@@ -153,13 +154,13 @@ def time_to_divert(sideways, nav, target):
 
 @kernel
 def plan_arrival(p, gains, least, state, nav, target, plan):
-    """Time to go (s) until the target; it is planned at the first call, follows the state from then on, and
-    runs down at the end.
+    """Time to go (s) to the target: planned at the first call, then updated by the state, and at the end
+    counted down.
 
     Args:
         p: parameters of the law, ``PlanningParams``.
         gains: s and d of the upward law (see above).
-        least: time to go that the law wants at least, s.
+        least: least time to go of the law, s.
         state, nav, target: ``VEHICLE_STATE``, ``NAV`` and ``POWERED_TARGET`` records.
         plan: ``PLAN`` record, updated.
     """

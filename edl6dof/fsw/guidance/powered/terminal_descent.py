@@ -1,9 +1,9 @@
 """The last hundred metres: hover and imaging, lateral hazard avoidance, slow vertical descent.
 
 Height is controlled by thrust, lateral motion in hover by a small tilt, then by the horizontal thrusters with
-the vehicle upright.  The lateral bias force (an engine out of line, wind) is fed forward: tilt or thrusters
-cancel it before it has moved the vehicle.  Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the
-laws are proportional-derivative, an estimate.
+the vehicle upright. The lateral bias force (a misaligned engine, wind) is fed forward: tilt or thrusters
+cancel it before it moves the vehicle. Source of the sequence: Hu et al. 2022, sections 6.3 and 6.4; the laws
+are proportional-derivative, an estimate.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ def lateral_bias(time_constant, nav, disturbance, dt, memory):
     engine nor thrusters explain.
 
     It is the estimated disturbance force (Hu et al. 2022, eqs. 10-12) without its axial part, turned into
-    north and east and smoothed over ``time_constant`` (s), since each single estimate contains the vibration
-    of the engine; ``memory``: ``LATERAL_BIAS`` record, which takes the first estimate as it is.
+    north and east and smoothed over ``time_constant`` (s), since each estimate contains the vibration of the
+    engine; ``memory``: ``LATERAL_BIAS`` record, which starts with the first estimate.
     """
     q = take4(nav.q_I2B)
     force = from_frame(q, (0.0, disturbance.force[1], disturbance.force[2]))
@@ -75,19 +75,18 @@ class TerminalParams(Params):
         0.2, "lateral acceleration per velocity in slow descent, 1/s", ge=0.0
     )
     rest_height_m: float = param(
-        3.0, "height below which the horizontal thrusters rest, to touch down without a turn", ge=0.0
+        3.0, "height below which horizontal thrusters are off, to touch down without rotation", ge=0.0
     )
     descent_sideways: Literal["thrusters", "tilt"] = param(
         "thrusters",
-        "what stops lateral motion in slow descent: horizontal thrusters, or the small tilt of hover",
+        "actuator against lateral motion in slow descent: horizontal thrusters, or the small tilt of hover",
     )
     standing_force_s: float = param(
-        1.0, "time over which the standing lateral force that is fed forward is smoothed", gt=0.0
+        1.0, "smoothing time of the lateral bias force that is fed forward", gt=0.0
     )
 
 
-#: Smallest upward part of the wanted acceleration (m/s2): thrust never points down, whatever the height error
-#: asks for.
+#: Least upward component of the wanted acceleration (m/s2), so that thrust never points down.
 LEAST_UPWARD = 0.5
 
 #: Index of ``tilt`` among the choices of ``descent_sideways``.
@@ -98,7 +97,9 @@ TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8
 
 @kernel
 def command_thrust(mass, acceleration, tilt_limit, out):
-    """Turn an acceleration (north, east, up, gravity included, m/s2) into thrust direction and size (N)."""
+    """Convert an acceleration (north, east, up, m/s2, gravity included) into thrust direction and
+    size (N).
+    """
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
     side = sqrt(north * north + east * east)
@@ -112,23 +113,23 @@ def command_thrust(mass, acceleration, tilt_limit, out):
 
 @kernel
 def throttle(engine, out):
-    """Limit the thrust to the throttle band."""
+    """Set throttled mode, and limit the thrust to the throttle band."""
     out.engine_mode = ENGINE_THROTTLE
     out.thrust = clamp(out.thrust, engine.throttle_min, engine.throttle_max)
 
 
 @kernel
 def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
-    """Command full level with the axial thrusters at the start, until the demand falls inside the throttle
-    band; back to it where the demand is far beyond the band, as after a fast release or of a weak engine, and
-    whenever the law asks for it.
+    """Command full level at the start, until the demand is inside the throttle band; full level again where
+    the demand is far above the band, as after a fast release or with a weak engine, and whenever the law
+    wants it.
 
     Args:
-        engine: ``ENGINE_ABILITY`` record of those that burn.
-        weak: whether they are believed to give less than commanded.
+        engine: ``ENGINE_ABILITY`` record of the burning engines.
+        weak: whether the engines are believed to give less than commanded.
         full_time: shortest time at full level, s.
-        full_again: demand, over the upper end of the band, beyond which full level comes back; a weak engine
-            gives it where it is nearer to the demand.
+        full_again: demand, over the upper end of the band, above which full level is used again; a weak
+            engine uses it where it is nearer to the demand.
         elapsed: time since ignition, s.
         out: ``GUIDE`` record: thrust and engine mode are written.
     """
@@ -144,20 +145,24 @@ def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
 
 @kernel
 def vertical(p, nav, rate):
-    """Upward acceleration (gravity included) that brings the descent rate to ``rate`` m/s."""
+    """Upward acceleration (m/s2, gravity included) that controls the descent rate to ``rate`` (m/s)."""
     return nav.gravity + p.rate_gain * (nav.v_N[2] - rate)
 
 
 @kernel
 def hover(p, engine, nav, mass, bias, out):
-    """Hold the hover height; stop lateral velocity and the ``bias`` (north, east, N) by a small tilt."""
+    """Hold the hover height; stop lateral velocity and compensate the ``bias`` (north, east, N) by a small
+    tilt.
+    """
     rate = clamp(p.height_gain * (nav.height - p.hover_height), -2.0, 4.0)
     settle_by_tilt(p, engine, nav, mass, rate, bias=bias, out=out)
 
 
 @kernel
 def settle_by_tilt(p, engine, nav, mass, rate, bias, out):
-    """Come down at ``rate`` m/s, and take out lateral velocity and the lateral ``bias`` by a small tilt."""
+    """Descend at ``rate`` m/s; stop lateral velocity and compensate the lateral ``bias`` (N) by a
+    small tilt.
+    """
     out.translating = 0
     north = -p.settle_gain * nav.v_N[0] - bias[0] / mass
     east = -p.settle_gain * nav.v_N[1] - bias[1] / mass
@@ -167,7 +172,7 @@ def settle_by_tilt(p, engine, nav, mass, rate, bias, out):
 
 @kernel
 def stay_upright(p, engine, nav, mass, rate, out):
-    """Come down vertically at ``rate`` m/s."""
+    """Descend at ``rate`` m/s with vertical thrust."""
     command_thrust(mass, (0.0, 0.0, vertical(p, nav, rate)), 0.0, out)
     throttle(engine, out)
 
@@ -183,7 +188,9 @@ def push_sideways(p, mass, acceleration, bias, out):
 
 @kernel
 def acceleration_towards(p, nav, north, east):
-    """Lateral acceleration (north, east, m/s2) that flies to a place so far away (m) with limited speed."""
+    """Lateral acceleration (north, east, m/s2) towards a point ``north`` and ``east`` of the lander (m), with
+    limited speed.
+    """
     v_n, v_e = p.position_gain * north, p.position_gain * east
     slower = min(p.lateral_speed / max(sqrt(v_n * v_n + v_e * v_e), 1e-9), 1.0)
     return p.velocity_gain * (slower * v_n - nav.v_N[0]), p.velocity_gain * (slower * v_e - nav.v_N[1])
@@ -191,7 +198,7 @@ def acceleration_towards(p, nav, north, east):
 
 @kernel
 def avoid(p, engine, nav, mass, bias, point, memory, out):
-    """Fly sideways to the safe spot, the one chosen or else the given one, while descending."""
+    """Fly sideways to the spot of hazard detection, or else to the given safe spot, while descending."""
     if point.fine_known != 0:
         memory.target_set = 1
         memory.target_L[0], memory.target_L[1] = point.fine_L[0], point.fine_L[1]
@@ -209,9 +216,9 @@ def avoid(p, engine, nav, mass, bias, point, memory, out):
 
 @kernel
 def descend(p, engine, nav, mass, bias, point, out):
-    """Come down vertically at the touchdown rate; until shortly before contact the horizontal thrusters hold
-    the place of the spot that was chosen, or take out lateral velocity where none was; a vehicle without them
-    tilts as in hover.
+    """Descend at the touchdown rate. Until shortly before contact the horizontal thrusters hold the position
+    over the chosen spot, or stop lateral velocity if none was chosen; a vehicle without them tilts as in
+    hover.
     """
     if p.descent_sideways == BY_TILT:
         settle_by_tilt(p, engine, nav, mass, rate=p.touchdown_rate, bias=bias, out=out)

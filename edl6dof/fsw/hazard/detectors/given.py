@@ -15,7 +15,7 @@ class GivenParams(Params):
 
 @kernel
 def classify(params, elevation_map, footprint, radius, deviation, out):
-    """Nothing is classified."""
+    """Classify nothing."""
 
 
 MEMBER = Member("given", GivenParams, {"classify": classify}, "null member")

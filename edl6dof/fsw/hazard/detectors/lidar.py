@@ -1,4 +1,4 @@
-"""Safe ground by limits: slope and roughness of the footprint as they are measured.
+"""Safe ground by limits of the measured slope and roughness of the footprint.
 
 Source: Johnson, Klumpp, Collier and Wolf, "Lidar-based hazard avoidance for safe landing on Mars", J.
 Guidance 25(6) (2002) 1091-1099.
@@ -29,8 +29,8 @@ class LidarDetectionParams(Params):
 
 @kernel
 def classify_by_limits(footprint, steepest, roughest, out):
-    """Call a cell safe where slope and roughness of ``footprint`` are at most ``steepest`` (tangent) and
-    ``roughest`` (m); writes classes and probabilities of ``out`` (``SAFETY_MAP``).
+    """Classify a cell as safe where slope and roughness of ``footprint`` are at most ``steepest`` (tangent)
+    and ``roughest`` (m); writes classes and probabilities of ``out`` (``SAFETY_MAP``).
     """
     for i in range(MAP_CELLS):
         for j in range(MAP_CELLS):

@@ -1,18 +1,18 @@
-"""Safe ground by the probability that slope and roughness keep their limits, given the errors of range.
+"""Safe ground by the probability that slope and roughness are within their limits, given the errors of range.
 
-The probability takes the elevation of each cell as normal: independent errors of range, of standard deviation
-s over the square root of the cell's weight, and the relief b that a cell hides between its points.  Then
+The elevation of each cell c is assumed normal, with independent errors of range, of standard deviation s /
+sqrt(w_c) at the weight w_c of the cell, and the relief b between the points of a cell. Then
 
     p = Phi((tan(limit) - rise) / s_rise) * prod over the cells of the footprint Phi((limit - |h_c|) / s_c)
 
-with h_c the height over the plane and s_c^2 = s^2 / w_c + b^2.  The rise of a plane of least squares over
+with h_c the height over the plane and s_c^2 = s^2 / w_c + b^2. The rise of a plane of least squares over
 independent errors has s_rise = s / (m sqrt(sum x^2)), m the side of a cell and x the columns from the middle;
-the half-plane in its direction holds the disc of gentler planes, so the first factor is an upper bound that
-is sharp for s_rise far below the limit, here 0.1 deg, not degrees.  The error of the plane itself in h_c is
-that of a mean over hundreds of cells and is left out.
+the half-plane of rises below the limit in the measured direction contains the disc of all gentler planes, so
+the first factor is an upper bound, which is sharp for s_rise far below the limit, here about 0.1 deg. The
+error of the plane itself in h_c is that of a mean over hundreds of cells and is left out.
 
 Source: Tomita and Ho, "Real-time stochastic terrain mapping and processing for autonomous safe landing",
-arXiv 2409.09309 (2024), for a Gaussian map; this product in place of their bounds.
+arXiv 2409.09309 (2024), for a Gaussian map; this product replaces their bounds.
 """
 
 from __future__ import annotations
@@ -45,19 +45,20 @@ class ProbabilisticParams(Params):
     )
     roughness_limit_m: float = param(
         0.22,
-        "largest distance of a cell of the footprint from its plane: less than a rock of half a metre has",
+        "largest distance of a cell of the footprint from its plane: below that of a rock of half a metre",
         status="estimate", gt=0.0, le=5.0,
     )  # fmt: skip
     relief_between_m: float = param(
-        0.02, "relief between the points of a cell, standard deviation", status="estimate", ge=0.0, le=1.0
+        0.02, "standard deviation of relief between points of a cell", status="estimate", ge=0.0, le=1.0
     )
     least_probability: float = param(
-        0.95, "probability from which on a spot counts as safe", status="estimate", gt=0.0, lt=1.0
+        0.95, "probability from which a spot counts as safe", status="estimate", gt=0.0, lt=1.0
     )
 
 
-#: A standard normal lies above ``x`` >= 0 with half the inverse of the 16th power of 1 + x (a + x (b + ...)),
-#: within 1.5e-7: Abramowitz and Stegun, Handbook of Mathematical Functions (1964), 26.2.19.
+#: Coefficients a, b, ...: the probability that a standard normal lies above ``x`` >= 0 is half the inverse of
+#: the 16th power of 1 + x (a + x (b + ...)), within 1.5e-7: Abramowitz and Stegun, Handbook of Mathematical
+#: Functions (1964), 26.2.19.
 _HASTINGS = np.array(
     (0.0498673470, 0.0211410061, 0.0032776263, 0.0000380036, 0.0000488906, 0.0000053830), np.float32
 )
@@ -72,7 +73,9 @@ def below(x):
 
 @kernel
 def spread_of_rise(radius_m, cell, deviation):
-    """Standard deviation of the rise of the plane of a footprint, by the errors of its cells (m)."""
+    """Standard deviation of the rise (tangent) of the plane of a footprint by the errors of its cells, of
+    standard deviation ``deviation`` (m).
+    """
     radius, second = radius_m / cell, 0.0
     reach = chord(radius, 0)
     for row in range(-reach, reach + 1):
@@ -91,7 +94,7 @@ def sharpness(elevation_map, deviation, between, out):
 
 @kernel
 def below_fast(x):
-    """:func:`below` in single precision, within 3e-7; of a negative ``x`` that of zero."""
+    """:func:`below` in single precision, within 3e-7; a negative ``x`` counts as zero."""
     x = x if x > _NONE else _NONE
     a, b, c, d, e, f = _HASTINGS
     root = _ALL + x * (a + x * (b + x * (c + x * (d + x * (e + x * f)))))
@@ -101,9 +104,9 @@ def below_fast(x):
 
 @kernel
 def keep_row(elevation_map, sharp, radius, i, first, last, planes):
-    """Write the probability that no cell of the footprint lies farther off its plane than ``planes.limit``
-    (m, up or down) into ``planes.kept``, for the columns from ``first`` up to ``last`` of row ``i``; where a
-    cell is seen to, an upper bound of it.  ``sharp``: inverse of the standard deviation of each cell (1/m).
+    """Write the probability that no cell of the footprint is farther off its plane than ``planes.limit`` (m,
+    up or down) into ``planes.kept``, for the columns from ``first`` up to ``last`` of row ``i``; an upper
+    bound where a cell is farther. ``sharp``: inverse of the standard deviation of each cell (1/m).
     """
     reach = chord(radius, 0)
     level, limit, kept = planes.level[first:last], planes.limit[first:last], planes.kept[first:last]
@@ -124,19 +127,19 @@ def keep_row(elevation_map, sharp, radius, i, first, last, planes):
 def classify_by_probability(
     elevation_map, footprint, radius_m, steepest, roughest, deviation, between, least, out
 ):
-    """Call a cell safe where the probability that slope and roughness keep their limits is large enough;
-    elsewhere an upper bound of it is noted.
+    """Classify a cell as safe where the probability that slope and roughness are within their limits is at
+    least ``least``; for other cells this probability is an upper bound.
 
     Args:
         elevation_map: ``ELEVATION_MAP`` record.
-        footprint: ``FOOTPRINT`` record of it; its scratch is used again.
-        radius_m: of the footprint, m.
+        footprint: ``FOOTPRINT`` record of the map; its ``planes`` are workspace.
+        radius_m: radius of the footprint, m.
         steepest, roughest: limits of slope (tangent) and roughness (m).
-        deviation: standard deviation of the elevation of one point of whole weight, m.
+        deviation: standard deviation of the elevation of one point of weight 1, m.
         between: standard deviation of the relief between the points of a cell, m.
-        least: probability from which on a cell is safe.
-        out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, computed afterwards,
-            are scratch.
+        least: probability from which a cell is safe.
+        out: ``SAFETY_MAP`` record, classes and probabilities written; its clearances, computed later, are
+            workspace.
     """
     radius, planes, sharp = radius_m / elevation_map.cell, footprint.planes, out.clearance
     sharpness(elevation_map, max(deviation, 1e-9), between, sharp)
@@ -154,7 +157,7 @@ def classify_by_probability(
             probability = below((steepest - rise) / spread)
             out.cell_class[i, j] = TOO_STEEP
             if probability >= least:
-                # its farthest cell alone says enough of most footprints
+                # the farthest cell alone excludes most footprints
                 farthest = below((roughest - rough) / sharpest)
                 out.cell_class[i, j] = SAFE if probability * farthest >= least else TOO_ROUGH
                 probability *= 1.0 if out.cell_class[i, j] == SAFE else farthest

@@ -1,10 +1,11 @@
 """Dead reckoning: the solution by inertial unit, star tracker and ground tracking, with its covariance.
 
-Nothing corrects position and velocity. The attitude is that of the star tracker while there is one. The
+Nothing corrects position and velocity. The attitude is that of the star tracker while it has a fix. The
 covariance is that of 21 errors: position, velocity and attitude in I; bias of gyros and accelerometers, and
 the relative errors (scale factor and misalignment) of both, in B. It is propagated about once a second, with
-the change of velocity and roll angle of that time; instruments share their errors as a balanced set does, in
-which three of n carry the noise of one. Left out: relative errors of rotation about other axes than x of B.
+the change of velocity and roll angle of this interval; the n instruments of a kind count as a balanced set,
+whose error variance about each axis is 3/n of that of one instrument. Left out: relative errors of rotation
+about other axes than x of B.
 
 Source: Zanetti, Advanced navigation algorithms for precision landing, thesis, The University of Texas at
 Austin (2007), dead reckoning of Mars entry; error equations as Titterton and Weston, Strapdown Inertial
@@ -25,7 +26,7 @@ from edl6dof.spatial.frames import geodetic, ned_to_fixed
 from edl6dof.spatial.quaternion import from_frame
 from edl6dof.spatial.vector import add, cross, dot, norm, put3, scale, sub, take3, take4
 
-#: Where each error begins in the covariance, and how many there are.
+#: Index of the first component of each error in the covariance, and number of errors.
 R, V, TURN, GYRO_BIAS, FORCE_BIAS, GYRO_RELATIVE, FORCE_RELATIVE, ERRORS = range(0, 24, 3)
 
 
@@ -34,13 +35,13 @@ class DeadReckoningParams(Params):
 
     every_s: float = param(1.0, "time between two steps of the covariance", gt=0.0, le=60.0)
     gravity_m_s2: float = param(
-        1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
+        1e-3, "standard deviation of the error of the gravity model", status="estimate", ge=0.0, le=1.0
     )
     unknown_rate_deg_s: float = param(
         5.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
-        5.0, "standard deviation of the specific force while it is held", status="estimate", ge=0.0, le=1000.0
+        5.0, "standard deviation of the specific force while unknown", status="estimate", ge=0.0, le=1000.0
     )
 
 
@@ -51,13 +52,13 @@ DEAD_RECKONING = record(
     ("v_I", "f8", (3,)),  # m/s, I: velocity at its last step
     ("roll", "f8"),  # rad: angle turned about x of B since its last step
     ("rate_gap", "f8"),  # s: for how long the rate has been bridged
-    ("force_gap", "f8"),  # s: for how long the specific force has been held
+    ("force_gap", "f8"),  # s: for how long the specific force has been unknown
 )
 
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Start the covariance with the expected errors of tracking, star tracker and instruments."""
+    """Initialise the covariance with the expected errors of tracking, star tracker and instruments."""
     P, known = memory.covariance, onboard.instruments
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     for i in range(ERRORS):
@@ -100,7 +101,9 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _widen(P, first, sigma, known, dt, gap):
-    """Add the variance of three errors in a gap of their rate (deviation ``sigma``); returns its duration."""
+    """Add the variance of three errors while their rate is unknown (standard deviation ``sigma``); returns
+    the duration of the gap (s).
+    """
     if known != 0:
         return 0.0
     for i in range(first, first + 3):
@@ -119,7 +122,9 @@ def _forget(P, first, variance):
 
 @kernel
 def _step(gravity, onboard, motion, solution, memory):
-    """Propagate the covariance since its last step; ``gravity``: constant error of its model (m/s2)."""
+    """Propagate the covariance over the interval since its last step; ``gravity``: constant error of the
+    gravity model (m/s2).
+    """
     P, known, time = memory.covariance, onboard.instruments, memory.time
     gyros, forces = 3.0 / max(known.n_gyros, 1), 3.0 / max(known.n_accelerometers, 1)
     r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
@@ -144,8 +149,9 @@ def _step(gravity, onboard, motion, solution, memory):
 
 @kernel
 def _carry(mu, r, q, gained, roll, time, P):
-    """Multiply ``P`` by the transition matrix from the left, at ``r`` (m, I) with the attitude ``q`` in the
-    middle of the step, for the velocity ``gained`` by specific force (m/s, I) and the angle ``roll``.
+    """Multiply ``P`` by the transition matrix from the left. ``r``: position (m, I), ``q``: attitude in the
+    middle of the step, ``gained``: velocity gained by specific force (m/s, I), ``roll``: angle turned about x
+    of B (rad).
     """
     r2, size = dot(r, r), norm(gained)
     tide = mu / (r2 * sqrt(r2)) * time

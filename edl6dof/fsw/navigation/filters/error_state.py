@@ -1,9 +1,8 @@
 """Error-state Kalman filter: position, velocity, attitude, biases of gyros and accelerometers, height and
 slope of the ground, corrected by star fixes and by range and speed of each radar beam.
 
-The covariance is carried forward at a low rate, and whenever a reading is taken in; errors that the readings
-share (scale factors and misalignments, bias of a beam's range, of the star tracker) are considered, not
-estimated.
+The covariance is propagated at a low rate, and whenever a reading is used; errors that the readings share
+(scale factors and misalignments, bias of a beam's range, of the star tracker) are considered, not estimated.
 
 Source: Farrell, Aided Navigation (2008), chapters 5 and 11; considered errors: Schmidt, Advances in Control
 Systems 3 (1966); weights: Karlgaard and Schaub, JGCD 30 (2007).
@@ -46,9 +45,9 @@ class ErrorStateParams(Params):
     gate: float = param(
         4.0, "standard deviations of an innovation beyond which a reading is refused", ge=2.0, le=20.0
     )
-    huber: float = param(2.5, "those beyond which it counts less than fully", ge=1.0, le=20.0)
+    huber: float = param(2.5, "standard deviations beyond which its weight is reduced", ge=1.0, le=20.0)
     patience: int = param(
-        10, "looks in a row that refuse most beams until the solution is taken to be wrong", ge=1, le=1000
+        10, "looks in a row that refuse most beams before the solution counts as wrong", ge=1, le=1000
     )
     terrain_sigma_m: float = param(
         300.0, "initial standard deviation of the ground over the site", status="estimate", gt=0.0, le=10e3
@@ -64,29 +63,31 @@ class ErrorStateParams(Params):
     )
     unevenness_m: float = param(
         120.0,
-        "most by which ground 1 km off may lie off the plane, growing with the root of the distance: a range "
+        "largest deviation from the plane of ground 1 km away, proportional to root distance: a range "
         "beyond has failed",
         status="estimate",
         gt=0.0,
         le=1000.0,
     )
     gravity_m_s2: float = param(
-        1e-3, "standard deviation of what the gravity model leaves out", status="estimate", ge=0.0, le=1.0
+        1e-3, "standard deviation of the error of the gravity model", status="estimate", ge=0.0, le=1.0
     )
     gravity_time_s: float = param(
-        60.0, "time over which that stays the same", status="estimate", ge=0.0, le=10e3
+        60.0, "correlation time of the error of the gravity model", status="estimate", ge=0.0, le=10e3
     )
     unknown_rate_deg_s: float = param(
         2.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
-        50.0, "specific force, one sigma, that accelerometers at the end of theirs miss", ge=0.0, le=1000.0
+        50.0, "standard deviation of the force beyond the range of the accelerometers", ge=0.0, le=1000.0
     )
 
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Start with the errors of ground tracking, star tracker and the data sheets of the instruments."""
+    """Initialise the filter with the errors of ground tracking, star tracker and the data sheets of the
+    instruments.
+    """
     start_covariance(params, onboard.instruments, solution, memory)
     report_covariance(onboard.planet, memory.covariance, solution)
 
@@ -102,7 +103,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     echoes = count_usable_beams(health, sensed.radar, onboard.instruments.n_beams)
     radar = radar and echoes > 0
     if stars or radar or memory.interval.dt > params.covariance_interval - early:
-        # one echo alone may be of something else
+        # a single echo may not be from the ground
         _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory=memory)
         if stars:
             update_by_stars(params, onboard, sensed, motion, solution, memory=memory)
@@ -114,8 +115,8 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, onboard, health, ground_seen, solution, memory):
-    """Propagate the covariance to the time of the solution, and the height of the ground with it while the
-    radar sees it (``ground_seen``): the slope between the beams is not that of ground that no beam has seen.
+    """Propagate the covariance to the time of the solution; while the radar sees the ground
+    (``ground_seen``), also the height of the ground, as the slope is only known for ground between the beams.
     """
     planet, instruments, r_I = onboard.planet, onboard.instruments, take3(solution.r_I, 0)
     follow_exclusions(instruments, health, memory)

@@ -16,7 +16,7 @@ class GivenParams(Params):
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Start nothing."""
+    """Do nothing at the start."""
 
 
 @kernel

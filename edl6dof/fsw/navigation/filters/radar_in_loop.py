@@ -1,10 +1,10 @@
-"""Inertial solution with the radar in the loop: height and velocity are drawn to those of the radar,
-projected with the attitude of the inertial unit, which nothing corrects.
+"""Inertial solution with the radar in the loop: height and velocity approach those of the radar, which are
+projected with the uncorrected attitude of the inertial unit.
 
 The radar is compared with the inertial solution first. It enters the loop when both have agreed for a while;
-and, too, when they have contradicted each other for long, as without it there is no landing. The height is
-the mean of the slant ranges times the cosine of each beam to the believed vertical. Its plausibility is not
-checked: with an attitude that is upside down the cosine, and the height, is negative.
+and also after a long contradiction, as no landing is possible without the radar. The height is the mean of
+the slant ranges times the cosine of each beam to the believed vertical. Its plausibility is not checked: with
+an attitude that is upside down the cosine, and the height, is negative.
 
 Source: the landing of Schiaparelli, T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA
 DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out, projection of the ranges.
@@ -31,26 +31,26 @@ from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 
 
 class RadarInLoopParams(Params):
-    """Inertial solution, drawn to the radar once that is in the loop."""
+    """Inertial solution, corrected by the radar once this is in the loop."""
 
     settle_s: float = param(
         10.0, "time from the first echo until radar and solution are compared", status="estimate", ge=0.0
     )
     agree_s: float = param(
-        1.0, "time for which they must agree to bring the radar into the loop", status="estimate", ge=0.0
+        1.0, "time of agreement after which the radar enters the loop", status="estimate", ge=0.0
     )
     patience_s: float = param(
         5.0,
-        "time of contradiction after which the radar comes into the loop all the same",
+        "time of contradiction after which the radar enters the loop in any case",
         status="recalled",
         source="ESA DG-I/2017/546/TTN",
         ge=0.0,
     )
     height_margin_m: float = param(
-        500.0, "difference of height up to which they agree", status="estimate", gt=0.0
+        500.0, "difference of height up to which both agree", status="estimate", gt=0.0
     )
     speed_margin_m_s: float = param(
-        20.0, "difference of velocity up to which they agree", status="estimate", gt=0.0
+        20.0, "difference of velocity up to which both agree", status="estimate", gt=0.0
     )
     lag_s: float = param(0.5, "time constant with which the solution follows the radar", gt=0.0)
 
@@ -58,18 +58,18 @@ class RadarInLoopParams(Params):
 RADAR_IN_LOOP = record(
     ("started_t", "f8"),  # s, flight time
     ("age", "f8"),  # s: since the last use of the radar
-    ("begun", FLAG),  # whether there was an echo
+    ("begun", FLAG),  # there was an echo
     ("seen", "f8"),  # s: duration of echoes
     ("agreed", "f8"),  # s: duration of the present agreement of radar and inertial solution
     ("against", "f8"),  # s: duration of their present contradiction
-    ("in_loop", FLAG),
-    ("forced", FLAG),  # by patience, against the comparison
+    ("in_loop", FLAG),  # the radar corrects the solution
+    ("forced", FLAG),  # in the loop in spite of a contradiction
 )
 
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Start without any echo."""
+    """Start without an echo."""
     memory.started_t = solution.t
     memory.age = memory.seen = memory.agreed = memory.against = 0.0
     memory.begun = memory.in_loop = memory.forced = 0
@@ -78,7 +78,7 @@ def start(params, onboard, sensed, solution, memory):
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Compare the radar with the solution, or correct the solution by it, where there are echoes."""
+    """Compare the radar with the solution, or correct the solution by the radar, where there are echoes."""
     memory.age += motion.dt
     n_beams = onboard.instruments.n_beams
     if sensed.radar.fresh == 0 or count_usable_beams(health, sensed.radar, n_beams) == 0:
@@ -93,7 +93,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     share = 1.0 - exp(-dt / params.lag)
     if memory.in_loop == 0 and memory.seen > params.settle:
         _compare(params, abs(higher), norm(faster), dt, memory)
-        share = 1.0  # its values are adopted as it enters the loop
+        share = 1.0  # adopted at once when the radar enters the loop
     if memory.in_loop != 0:
         put3(solution.r_I, 0, add(take3(solution.r_I, 0), scale(share * higher, up)))
         put3(solution.v_I, 0, add(take3(solution.v_I, 0), scale(share, faster)))
@@ -103,7 +103,9 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _compare(params, height_off, speed_off, dt, memory):
-    """Bring the radar into the loop after it has agreed for a while, or when the patience is over."""
+    """Put the radar into the loop after a time of agreement, or of contradiction; ``height_off`` (m) and
+    ``speed_off`` (m/s): differences from the solution.
+    """
     if height_off < params.height_margin and speed_off < params.speed_margin:
         memory.agreed, memory.against = memory.agreed + dt, 0.0
     else:
@@ -115,7 +117,7 @@ def _compare(params, height_off, speed_off, dt, memory):
 
 @kernel
 def _report_covariance(onboard, solution, memory):
-    """Fill the standard deviations: of dead reckoning from the start, in the loop those of the radar."""
+    """Write the standard deviations: of dead reckoning from the start; in the loop, those of the radar."""
     known, t = onboard.instruments, solution.t - memory.started_t
     turned = known.star_sigma**2 + known.star_bias**2 + known.gyro_noise**2 * t + (known.gyro_bias * t) ** 2
     for i in range(3):

@@ -1,12 +1,12 @@
 """The navigation filters that ``flight_software.navigation.filter`` may name.
 
-A member has two kernels.  ``start(params, onboard, sensed, solution, memory)`` runs once, when ground
-tracking and star tracker have started the ``solution`` (``SOLUTION``).  ``correct(params, onboard, health,
-sensed, motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
+A member has two kernels. ``start(params, onboard, sensed, solution, memory)`` runs once, when ground tracking
+and star tracker have started the ``solution`` (``SOLUTION``). ``correct(params, onboard, health, sensed,
+motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
 (``MOTION``), and corrects it by star tracker and radar of ``sensed`` (``SENSED``), as far as ``health``
-(``INSTRUMENT_HEALTH``) trusts them; it also writes its standard deviations, and
-the beams that it refused.  ``params`` and ``memory`` are its own.
-``reads`` names the fields of the sensed record that a member cannot do without.
+(``INSTRUMENT_HEALTH``) trusts them; it also writes the standard deviations and the refused beams into
+``solution``. ``params`` and ``memory`` belong to the member. ``reads`` names the fields of the sensed record
+that a member needs.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ _Filters: Any = NAVIGATION_FILTERS.params_model("Filters", "filter", "given", "N
 
 
 class NavigationParams(_Filters):
-    """Navigation: the filter, and what all share."""
+    """Navigation: the filter, and the settings that all filters share."""
 
     parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
     beam_watch: BeamWatchParams = group(BeamWatchParams, "exclusion of beams of the radar")
     star_watch: StarWatchParams = group(StarWatchParams, "exclusion of the star tracker")
-    saturation: SaturationParams = group(SaturationParams, "gyros at the end of their range")
+    saturation: SaturationParams = group(SaturationParams, "treatment of saturated gyros")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")

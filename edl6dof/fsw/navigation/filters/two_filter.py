@@ -3,7 +3,7 @@ data editing, and height as the mean of buffered beam heights; each corrects the
 converged.
 
 The velocity filter fits errors of velocity and acceleration (6 states) to the speeds along the beams, with
-fading weights. Position and attitude stay those of the inertial unit.
+fading weights. Position and attitude remain those of the inertial unit.
 
 Source: C. W. Chen and B. D. Pollard, "Radar terminal descent sensor performance during Mars Science
 Laboratory landing", Journal of Spacecraft and Rockets 51 (2014); the fit: Bierman, Factorization Methods for
@@ -47,10 +47,10 @@ TWO_FILTER = record(
     # errors of velocity (m/s, I) and acceleration (m/s2, I)
     ("covariance", "f8", (6, 6)),
     ("correction", "f8", (6,)),
-    ("converged", FLAG),  # whether velocity is corrected
+    ("converged", FLAG),  # the fitted velocity corrects the solution
     ("age", "f8"),  # s: since the last use of the radar
     ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
-    ("heights", COUNT),  # how many have come yet
+    ("heights", COUNT),  # beam heights so far
     ("started_t", "f8"),  # s, flight time
     # workspace
     ("considered", "f8", (6,)),
@@ -74,17 +74,15 @@ class TwoFilterParams(Params):
         5.0, "standard deviation of the velocity when the radar first locks", status="estimate", gt=0.0
     )
     acceleration_sigma_m_s2: float = param(
-        0.05, "standard deviation of the acceleration then", status="estimate", gt=0.0
+        0.05, "standard deviation of the acceleration when the radar first locks", status="estimate", gt=0.0
     )
-    converged_m_s: float = param(
-        0.15, "standard deviation of the velocity fitted, below which it corrects", gt=0.0
-    )
+    converged_m_s: float = param(0.15, "standard deviation below which the fitted velocity is used", gt=0.0)
     heights: int = param(40, "beam heights that are averaged", ge=1, le=HEIGHTS)
 
 
 @kernel
 def start(params, onboard, sensed, solution, memory):
-    """Start both filters empty."""
+    """Initialise both filters."""
     for i in range(6):
         memory.correction[i] = 0.0
         for j in range(6):
@@ -99,7 +97,7 @@ def start(params, onboard, sensed, solution, memory):
 
 @kernel
 def correct(params, onboard, health, sensed, motion, solution, memory):
-    """Process a radar measurement when it is time to, and correct the quantities that have converged."""
+    """Process a radar measurement when due, and correct the quantities whose filter has converged."""
     memory.age += motion.dt
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
     n_beams = onboard.instruments.n_beams
@@ -120,7 +118,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
 
 @kernel
 def _carry_forward(params, memory):
-    """Propagate the fit: the acceleration error adds to that of the velocity, and the information fades."""
+    """Propagate the fit: the velocity error grows by the acceleration error, and old information fades."""
     P, T = memory.covariance, memory.age
     fade = exp(min(T / params.window, 2.0))
     for i in range(3):
@@ -139,7 +137,7 @@ def _carry_forward(params, memory):
 
 @kernel
 def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
-    """Update with the speeds whose residuals are not too large; returns a bit for each."""
+    """Update with the speeds whose residuals are not too large; returns bits of these beams."""
     instruments, used, row = onboard.instruments, 0, memory.row
     q, velocity = antenna[0], add(antenna[2], antenna[3])
     put3(row, 3, (0.0, 0.0, 0.0))
@@ -163,7 +161,9 @@ def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
 
 @kernel
 def _buffer_heights(params, onboard, health, radar, speeds, antenna, solution, memory):
-    """Buffer the heights of beams with a used speed (bits) that agree with their median; returns bits."""
+    """Store the height errors of beams with a used speed (bits ``speeds``) that agree with their median;
+    returns bits of these beams.
+    """
     instruments, radius = onboard.instruments, onboard.planet.equatorial_radius
     q, _, _, _, up, height = antenna
     used, count = 0, 0
@@ -189,7 +189,7 @@ def _buffer_heights(params, onboard, health, radar, speeds, antenna, solution, m
 
 @kernel
 def _correct_velocity(params, solution, memory):
-    """Correct the velocity once its error is known well enough; the acceleration error stays in the fit."""
+    """Correct the velocity once its error is known well enough; the acceleration error remains in the fit."""
     worst = max(memory.covariance[0, 0], memory.covariance[1, 1], memory.covariance[2, 2])
     if worst < params.converged**2:
         memory.converged = 1
@@ -201,7 +201,7 @@ def _correct_velocity(params, solution, memory):
 
 @kernel
 def _correct_height(params, solution, memory):
-    """Take the mean of the buffer out of the believed height, once it is full."""
+    """Subtract the mean of the buffer from the believed height once the buffer is full."""
     if memory.heights >= params.heights:
         mean = 0.0
         for k in range(params.heights):
@@ -213,7 +213,7 @@ def _correct_height(params, solution, memory):
 
 @kernel
 def _report_covariance(params, onboard, solution, memory):
-    """Fill the standard deviations: of fit and mean, and those of dead reckoning from the start."""
+    """Write the standard deviations: of fit and mean, otherwise of dead reckoning from the start."""
     instruments, t = onboard.instruments, solution.t - memory.started_t
     r_I = take3(solution.r_I, 0)
     north, east, up, altitude = level_axes(onboard.planet, r_I, solution.t)

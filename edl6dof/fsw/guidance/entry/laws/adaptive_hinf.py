@@ -13,11 +13,11 @@ exists when lambda^2 > rho.
 
 Differences from the print, in addition to those of the two modules: F = +B' P / 2 lacks the minus sign that
 its own equation P (A + B F) + (A + B F)' P + ... = 0 needs; the L2 inequality holds from z(0) = 0, otherwise
-z(0)' P z(0) is added; rho is 1 in the print (``settings: as_printed``), which in seconds means a drag loop of
-0.7 rad/s, faster than a capsule can bank: the weight sets the bandwidth; eq. 16 divides by 1 + theta_5 where
-the fourth parameter belongs, and with a minus; there and in section 3.3 the reference acceleration enters
-with the wrong sign; D_r'' holds u, because V'' does, and that part is moved to the left-hand side; the drag
-rate, which the paper takes as measured, is the analytic one at the measured drag.
+z(0)' P z(0) is added; rho, which sets the bandwidth, is 1 in the print (``settings: as_printed``): in seconds
+that is a drag loop of 0.7 rad/s, faster than a capsule can bank; eq. 16 divides by 1 + theta_5 instead of 1 -
+theta_4; there and in section 3.3 the reference acceleration has the wrong sign; D_r'' contains u, because V''
+does, and this part is moved to the left-hand side; the drag rate, which the paper measures, is the analytic
+one at the measured drag.
 """
 
 from __future__ import annotations
@@ -48,7 +48,9 @@ from edl6dof.spatial.vector import clamp
 
 @kernel
 def riccati(disturbance_gain, control_weight):
-    """(P11, P12, P22) for lambda in s^2 and rho in s^4; needs lambda^2 > rho."""
+    """(P11, P12, P22) for lambda (``disturbance_gain``) in s^2 and rho (``control_weight``) in s^4; lambda^2
+    must exceed rho.
+    """
     strength = 1.0 / control_weight - 1.0 / (disturbance_gain * disturbance_gain)
     p12 = 1.0 / sqrt(strength)
     p22 = sqrt(2.0 * p12 / strength)
@@ -57,17 +59,18 @@ def riccati(disturbance_gain, control_weight):
 
 @kernel
 def feedback(disturbance_gain, control_weight):
-    """Gains F = (F1, F2) on the drag error and its rate."""
+    """Gains F = (F1, F2) on drag error (1/s2) and its rate (1/s)."""
     _, p12, p22 = riccati(disturbance_gain, control_weight)
     return -0.5 * p12 / control_weight, -0.5 * p22 / control_weight
 
 
 @kernel
 def adapt(estimate, low, high, regressor, adjoint, energy, dt):
-    """One step of p' = projection of -Q^-1 g1' (P z)_2 (eq. 20), in place.
+    """Integrate p' = projection of -Q^-1 g1' (P z)_2 (eq. 20) over ``dt`` (s), in place; ``regressor``: g1,
+    ``adjoint``: (P z)_2.
 
     Q is diagonal, such that (p - theta)' Q (p - theta) <= ``energy`` (epsilon of the inequality) for any two
-    points of the box ``low`` .. ``high``; for a box the projection is the limit of each component.
+    points of the box ``low`` .. ``high``; the projection onto a box limits each component.
     """
     n = estimate.shape[0]
     for i in range(n):
@@ -78,7 +81,7 @@ def adapt(estimate, low, high, regressor, adjoint, energy, dt):
 
 
 PARAMETERS = 5
-#: Longest step (s) of the adaptation; after a longer pause it takes one of this length.
+#: Longest step (s) of the adaptation, also after a longer pause.
 STEP_S = 1.0
 
 
@@ -86,7 +89,7 @@ class AdaptiveHinfParams(PrintedParams):
     """Adaptive H-infinity tracking of a drag-velocity profile; the paper prints no numbers but rho = 1."""
 
     start_drag_m_s2: float = param(
-        4.0, "drag where the profile begins; before, the reference bank is held", gt=0.0, le=1000.0
+        4.0, "drag where the profile begins; before, the reference bank is flown", gt=0.0, le=1000.0
     )
     disturbance_gain: float = param(
         200.0, "lambda: bound on the gain from disturbance to drag error, s2", gt=0.0, le=1e6
@@ -100,7 +103,7 @@ class AdaptiveHinfParams(PrintedParams):
         le=1e9,
     )
     adaptation_energy: float = param(
-        100.0, "epsilon: what the parameters may add to the error energy, m2/s3", gt=0.0, le=1e9
+        100.0, "epsilon: bound on the error energy due to the parameters, m2/s3", gt=0.0, le=1e9
     )
     coefficient_rate_limit: float = param(
         2e-3, "bound on theta 1, the relative rate of the drag coefficient, 1/s", gt=0.0, le=1.0
@@ -125,7 +128,7 @@ MEMORY = record(
     ("theta", "f8", (PARAMETERS,)),
     ("low", "f8", (PARAMETERS,)),
     ("high", "f8", (PARAMETERS,)),
-    ("scale", "f8"),
+    ("scale", "f8"),  # factor on the profile
     ("t", "f8"),
     ("started", FLAG),
 )
@@ -133,7 +136,7 @@ MEMORY = record(
 
 @kernel
 def begin(p, memory):
-    """Bounds of theta, and its first estimate in their middle."""
+    """Set the bounds of theta, and its first estimate in their middle."""
     rate, acceleration, s = p.coefficient_rate_limit, p.coefficient_acceleration_limit, sin(p.path_limit)
     memory.low[0], memory.high[0] = -rate, rate
     memory.low[1], memory.high[1] = -acceleration, acceleration
@@ -160,7 +163,7 @@ def scaled_profile(profile, onboard, nav, memory, out):
 
 @kernel
 def goal_rates(nav, drag, drag_rate, slope, curvature):
-    """D_r' and the two parts of D_r'' = free + per_u u along the flight as it is flown."""
+    """Return D_r' (m/s3) and the two parts of D_r'' = free + per_u u (m/s4) along the actual flight."""
     (s, c), g, v = sincos(nav.flight_path_angle), nav.gravity, nav.speed
     speed_rate = -drag - g * s
     path_free = (v / nav.radius - g / v) * c
@@ -174,8 +177,8 @@ def goal_rates(nav, drag, drag_rate, slope, curvature):
 
 @kernel
 def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per_u):
-    """Update theta by what happened in ``dt`` seconds under the input ``flown``, and return the input wanted
-    now, u = (L/D) cos(bank) without a limit.
+    """Update theta by the effect of the input ``flown`` over the last ``dt`` seconds, and return the wanted
+    input u = (L/D) cos(bank), not limited.
 
     ``dynamics`` is the result of :func:`~edl6dof.fsw.guidance.entry.drag_dynamics.uncertain_drag`;
     ``goal_free`` and ``goal_per_u`` are the two parts of D_r''.
@@ -235,7 +238,7 @@ def guide(params, plan, onboard, nav, memory, out):
 
 
 def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
-    """Lay the drag-velocity profile along the planned reference."""
+    """Fit the drag-velocity profile to the planned reference."""
     start = float(onboard["guidance"]["entry"]["adaptive_hinf"]["start_drag"][0])
     fill_drag_velocity(onboard, planned, start, onboard["plan"]["adaptive_hinf"][0])
 

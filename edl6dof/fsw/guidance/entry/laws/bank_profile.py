@@ -1,7 +1,7 @@
 """Open loop: bank angle against speed or time, from a table in the scenario.
 
-The baseline without feedback, and the way to fly a bank history taken from elsewhere.  With ``reversal.logic:
-own_sign`` the signs of the table are flown; with any other logic its magnitudes, reversed by crossrange.
+A baseline without feedback, which also flies a given bank history. With ``reversal.logic: own_sign`` the
+signs of the table are flown; with any other logic only its magnitudes, and the logic chooses the side.
 Source: the open-loop profiles of Yan, Sun & Guo 2016, section 3, which are piecewise linear in speed.
 """
 
@@ -20,7 +20,7 @@ from edl6dof.registry import Member
 class BankProfileParams(Params):
     """Bank angle against speed or time."""
 
-    over: Literal["speed", "time"] = param("speed", "what the table runs over")
+    over: Literal["speed", "time"] = param("speed", "independent variable of the table")
     points: Annotated[list[BankPoint], Capacity(MAX_POINTS)] = param(
         None,
         "points of the table, ascending",
@@ -39,7 +39,7 @@ class BankProfileParams(Params):
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle: the table at the present speed or time, its sign included."""
+    """Wanted bank angle: that of the table at the present speed or time, its sign included."""
     return bank_at(params.points, params.n_points, nav.speed if params.over == 0 else nav.t)
 
 

@@ -19,7 +19,7 @@ class ConstantBankParams(Params):
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle: always the same."""
+    """Wanted bank angle: a constant."""
     return params.bank
 
 

@@ -1,15 +1,15 @@
 """Sliding-mode drag tracking with a linear disturbance observer and a virtual state for input saturation.
 
-Source: Zheng & Cui 2015, eqs. 13-29.  Everything in the drag dynamics but the known input b u, u = cos(bank),
-is one lumped disturbance d; the observer estimates it from what the sliding surface does, and the law takes
-it out.  While the bank angle is at its limits the virtual state zeta leads the surface away, so that nothing
-winds up.
+Source: Zheng & Cui 2015, eqs. 13-29. Everything in the drag dynamics but the known input b u, u = cos(bank),
+is one lumped disturbance d; the observer estimates it from the motion of the sliding surface s, and the law
+compensates it. While the bank angle is at its limits the virtual state zeta offsets the surface, which
+prevents wind-up.
 
-Sampled form.  Between two calls the input is held, so s grows by (d + v_fb) dt with the mean d of the
-interval; the first-order filter Q = 1/(tau p + 1), the virtual state and the adaptation are integrated
-exactly over the interval: stable at any guidance rate.  The input that counts is the cosine of the navigated
-bank angle, which holds the limits of all laws (30 to 90 deg in the paper), rate and attitude control; the
-saturation of eq. 16 is the special case of ideal banking.
+Sampled form. Between two calls the input is constant, so s grows by (d + v_fb) dt with the mean d of the
+interval and the feedback v_fb; the first-order filter Q = 1/(tau p + 1), the virtual state and the adaptation
+are integrated exactly over the interval: stable at any guidance rate. The input used is the cosine of the
+navigated bank angle, which includes the bank limits (30 to 90 deg in the paper), the bank rate and attitude
+control; the saturation of eq. 16 is the special case of ideal banking.
 
 Differences from the print: eqs. 13-14 as in :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics`; the
 scale height printed as 9354 km is in metres; eq. 29 has xi where eq. 25 has zeta, which is meant; c0 = 2 +
@@ -66,6 +66,8 @@ class DobSlidingParams(PrintedParams):
     )
 
 
+#: State at the last call: sliding surface and virtual state (m/s3), estimated disturbance (m/s4), eta, input
+#: u without limits, feedback v_fb (m/s4), authority b (m/s4), decay c_0 (1/s).
 MEMORY = record(
     ("tracking", TRACKING),
     ("started", FLAG),
@@ -83,8 +85,9 @@ MEMORY = record(
 
 @kernel
 def observe(p, memory, dt, error, error_rate, applied):
-    """Bring surface, virtual state, disturbance estimate and eta over the ``dt`` seconds in which cos(bank)
-    was ``applied``; ``error`` and ``error_rate`` belong to the end.  Source: eqs. 19, 23, 26, 28 and Fig. 1.
+    """Update surface, virtual state, disturbance estimate and eta for the ``dt`` seconds in which cos(bank)
+    was ``applied``; ``error`` and ``error_rate`` (m/s2, m/s3) are those at the end. Source: eqs. 19, 23, 26,
+    28 and Fig. 1.
     """
     if memory.started == 0 or dt <= 0.0:
         memory.started = 1

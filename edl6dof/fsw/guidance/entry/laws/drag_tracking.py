@@ -1,8 +1,8 @@
 """Feedback-linearised tracking of a reference drag-energy profile, with range update.
 
 The reference drag is scaled so that the range it predicts is the range to go; the second derivative of drag
-is linear in cos(bank), so the bank angle is found by inverting it.  Source: Wu, Cui & Cui 2013, eqs. 9-19
-(the law called FL there).
+is linear in cos(bank), so the bank angle follows by inversion. Source: Wu, Cui & Cui 2013, eqs. 9-19 (the law
+called FL there).
 
 Differences from the print: drag dynamics and range as in
 :mod:`~edl6dof.fsw.guidance.entry.drag_dynamics` and
@@ -29,8 +29,7 @@ class DragTrackingParams(Params):
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
 
 
-#: Lift-to-drag ratio below which authority is not believed to fall: the inversion stays finite where the trim
-#: wing has taken the lift.
+#: Least lift-to-drag ratio of the inversion, which keeps it finite where the trim wing has removed the lift.
 LEAST_LIFT = 0.01
 
 MEMORY = record(("tracking", TRACKING))

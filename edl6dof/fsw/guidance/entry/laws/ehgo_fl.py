@@ -2,17 +2,17 @@
 
 The observer of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` gives drag, drag rate and the
 perturbation phi = b - b^ + (a - a^) u; the law cancels b^ and phi^ and places the poles of the drag error.
-The control is saturated (|cos(bank)| <= 1, and by the bank limits that all laws share), and the observer
-gets the bank angle that was flown, so saturation, reversals and a slow vehicle do not enter phi^.
-Source: Wu, Cui & Cui 2013, section 3.3, eqs. 20-23.
+The control is saturated (|cos(bank)| <= 1 and the bank limits of all laws), and the observer uses the flown
+bank angle, so that saturation, reversals and slow banking do not affect phi^. Source: Wu, Cui & Cui 2013,
+section 3.3, eqs. 20-23.
 
 Differences from the print: those of :mod:`~edl6dof.fsw.guidance.entry.disturbance_observers` and
 :mod:`~edl6dof.fsw.guidance.entry.laws.fl`; b^ is taken at the measured drag with the drag rate that the model
-gives there; the difference is part of phi.  The printed time scale and gains (``settings: as_printed``) suit
-a point mass in an exponential atmosphere.  In air with density waves phi is many times what the bank angle
-can do, and a rigid body's angle of attack oscillates: the defaults are slower, lean less on the estimated
-rate, and phi^ is limited before it is cancelled, which is where Freidovich & Khalil 2008 saturate against
-peaking.
+gives there; the difference is part of phi. The printed time scale and gains (``settings: as_printed``) suit a
+point mass in an exponential atmosphere. In air with density waves phi is many times the authority of the bank
+angle, and the angle of attack of a rigid body oscillates: the defaults are slower and have a smaller gain on
+the estimated rate, and phi^ is limited before it is cancelled, where Freidovich & Khalil 2008 saturate
+against peaking.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class EhgoFlParams(PrintedParams):
     error_gain: float = param(
         0.01, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
     )
-    rate_gain: float = param(0.07, "gain on its rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
+    rate_gain: float = param(0.07, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     epsilon_s: float = param(
         2.0,
         "time scale of the observer error",
@@ -49,16 +49,14 @@ class EhgoFlParams(PrintedParams):
     )
     share: float = param(
         0.3,
-        "largest phi^ that is cancelled, as a share of what the bank angle can do; the largest is no limit",
+        "largest phi^ that is cancelled, over the authority of the bank angle; 100: no limit",
         printed=100.0,
         source=PAPER,
         ge=0.0,
         le=100.0,
         usual=(0.03, 100, "of the lift; 100 is no limit"),
     )
-    start_share: float = param(
-        1.0, "drag that the observer starts from, as a share of the measured drag", ge=0.0, le=10.0
-    )
+    start_share: float = param(1.0, "initial drag of the observer, over the measured drag", ge=0.0, le=10.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 

@@ -1,32 +1,32 @@
 """Entry terminal point control: linear range control about a reference trajectory, the law of Apollo's final
 phase and of MSL.
 
-Range to go is predicted from the reference and the deviations of measured drag and altitude rate from it,
-weighed with influence coefficients at the same speed; the vertical lift-to-drag ratio is changed by the
-predicted miss over its own coefficient, times an overcontrol gain:
+Range to go R_p is predicted from the reference, and from the deviations of measured drag D and altitude rate
+h' from the reference at the same speed times their influence coefficients; the vertical lift-to-drag ratio is
+changed by the predicted miss R - R_p over its own influence coefficient, times an overcontrol gain K:
 
     R_p = R_ref + dR/dD (D - D_ref) + dR/dh' (h' - h'_ref),    (L/D)_v = (L/D)_v,ref + K (R - R_p) /
     (dR/d(L/D)_v)
 
 The influence coefficients are the adjoint variables of the linearised motion, integrated backwards along the
-reference from the final speed, where they are zero.  Speed is the independent variable: the coefficients
-belong to departures at equal speed, the bank profile of the reference, a function of speed, stays in step,
-and the range counts at the final speed, as the parachute opens by speed, not at an altitude:
+reference from the final speed, where they are zero. Speed is the independent variable: the coefficients apply
+to deviations at equal speed, the bank profile of the reference stays a function of speed, and the range is
+that at the final speed, as the parachute opens by speed, not at an altitude:
 
     x = (h, gamma), x' = f(x, V), s' = g(x, V), H = l' f + g:
     dl/dV = -dH/dx, dm/dV = -dH/du, l(V_f) = m(V_f) = 0
 
-with u the vertical lift-to-drag ratio, as far as it is controlled.  At equal speed a change of altitude is a
-change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude rate, d(h') = V cos(gamma)
-d(gamma), so that the coefficients belong to measured quantities.
+with the adjoints l and m, and u the vertical lift-to-drag ratio where range is controlled. At equal speed a
+change of altitude is a change of drag, dD = -D dh / h_s, and a change of flight-path angle one of altitude
+rate, d(h') = V cos(gamma) d(gamma), so that the coefficients apply to measured quantities.
 
 Source: Carman, Ives & Geller 1998, "Apollo-derived Mars precision lander guidance", AIAA 98-4570; Mendeck &
 Carman 2002, "Guidance design for Mars smart landers using the entry terminal point controller", AIAA
 2002-4502; flown: Mendeck & Craig McGrew 2014, "Entry guidance design and postflight performance for 2011 Mars
 Science Laboratory mission"; adjoint equations: Bryson & Ho 1975, section 2.3.
 
-Difference: the partial derivatives are central differences of the believed motion, so that Mach-dependent
-airframe and trim wing are in them.
+Difference: the partial derivatives are central differences of the believed motion, which include the
+Mach-dependent airframe and the trim wing.
 """
 
 from __future__ import annotations
@@ -48,9 +48,10 @@ from edl6dof.spatial.vector import clamp
 NODES = 64
 #: Steps of the adjoint integration between two nodes.
 SUBSTEPS = 8
-#: Deceleration (m/s2) from which on speed separates one point of the reference from the next.
+#: Deceleration (m/s2) from which the speed of the reference falls fast enough to be its independent variable.
 LEAST_DECELERATION = 0.5
-#: Half the differences: altitude (m), flight-path angle (rad), vertical lift-to-drag ratio.
+#: Half the steps of the central differences: altitude (m), flight-path angle (rad), vertical lift-to-drag
+#: ratio.
 D_ALTITUDE, D_PATH, D_LIFT = 50.0, 1e-5, 1e-4
 
 INFLUENCE = record(
@@ -62,18 +63,18 @@ INFLUENCE = record(
     ("lift", "f8", (NODES,)),  # vertical lift-to-drag ratio
     ("by_drag", "f8", (NODES,)),  # d range / d drag, s2
     ("by_climb", "f8", (NODES,)),  # d range / d altitude rate, s
-    ("by_lift", "f8", (NODES,)),  # d range / d vertical lift-to-drag ratio, kept to the end, m
+    ("by_lift", "f8", (NODES,)),  # m: d range / d vertical lift-to-drag ratio, changed up to the end
 )
 
 
 @kernel
 def hamiltonian(onboard, shift, state, more_lift, adjoints):
-    """Hamiltonian of the motion by speed on the reference profile, with ``more_lift`` added to its vertical
-    L/D where range is controlled.
+    """Hamiltonian of the motion, with speed as independent variable, along the reference bank profile;
+    ``more_lift`` is added to the vertical L/D where range is controlled.
 
     Args:
         onboard: ``ONBOARD`` record.
-        shift: of the cosine of the reference bank angle.
+        shift: shift of the cosine of the reference bank angle.
         state: speed (m/s), altitude (m) and flight-path angle (rad).
         more_lift: added vertical lift-to-drag ratio.
         adjoints: derivatives of the range by altitude (m/m) and path angle (m/rad).
@@ -88,7 +89,9 @@ def hamiltonian(onboard, shift, state, more_lift, adjoints):
 
 @kernel
 def adjoint_rates(onboard, shift, state, adjoints):
-    """Derivatives by speed of the range's derivatives by altitude, path angle and vertical L/D."""
+    """Derivatives by speed of the adjoints: of the derivatives of the range by altitude, path angle and
+    vertical L/D.
+    """
     v, h, gamma = state
     up = hamiltonian(onboard, shift, (v, h + D_ALTITUDE, gamma), 0.0, adjoints)
     down = hamiltonian(onboard, shift, (v, h - D_ALTITUDE, gamma), 0.0, adjoints)
@@ -106,9 +109,9 @@ def integrate_adjoints(onboard, shift, speeds, altitude, path, found):
 
     Args:
         onboard: ``ONBOARD`` record.
-        shift: of the cosine of the reference bank angle.
-        speeds: from the final speed upwards in even steps, m/s, each ``2 SUBSTEPS``-th of them a node.
-        altitude, path: of the reference there, m; flight-path angle, rad.
+        shift: shift of the cosine of the reference bank angle.
+        speeds: from the final speed upwards in even steps, m/s; each ``2 SUBSTEPS``-th is a node.
+        altitude, path: altitude (m) and flight-path angle (rad) of the reference at these speeds.
         found: written, a row for each node: derivatives of the range to go by altitude (m/m), path angle
             (m/rad) and vertical lift-to-drag ratio (m) at equal speed.
     """
@@ -166,7 +169,7 @@ def fill_influence(onboard: np.ndarray, planned: np.ndarray, table: np.void) -> 
 
 
 def _slowing(planned: np.ndarray, planet: np.void) -> np.ndarray:
-    """Return the rows of the plan from where the speed falls well and separates them."""
+    """Return the rows of the plan from the first deceleration of ``LEAST_DECELERATION`` on."""
     gravity = planet["mu"] / np.square(planet["equatorial_radius"] + planned["altitude"])
     deceleration = planned["drag"] + gravity * arrays.sin(planned["path_angle"])
     before = deceleration[: np.argmax(deceleration)] < LEAST_DECELERATION
@@ -178,19 +181,21 @@ class EtpcParams(Params):
 
     overcontrol: float = param(5.0, "overcontrol gain K", status="recalled", source="Apollo", gt=0.0, le=50.0)
     start_drag_m_s2: float = param(
-        2.0, "drag at which range control begins; before, the reference bank is held", ge=0.0
+        2.0, "drag at which range control begins; before, the reference bank is flown", ge=0.0
     )
 
 
 @kernel
 def at_speed(table, speed):
-    """Index and fraction of a speed among the nodes of an ``INFLUENCE`` table."""
+    """Index of the node below ``speed`` (m/s) in an ``INFLUENCE`` table, and fraction of the way to
+    the next.
+    """
     return held_cell((speed - table.first) / max(table.spacing, 1e-9), NODES - 1)
 
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle for the vertical lift-to-drag ratio that the predicted miss asks for."""
+    """Wanted bank angle for the vertical lift-to-drag ratio that removes the predicted miss."""
     p, table = params, plan
     i, f = at_speed(table, nav.speed)
     out.reference_drag = between(table.drag, i, f)

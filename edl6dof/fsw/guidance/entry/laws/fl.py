@@ -3,9 +3,9 @@
 Drag rate comes from the analytic expression with the measured drag; D'' = b + a cos(bank) is inverted with
 the believed L/D and scale height.  Source: Wu, Cui & Cui 2013, section 3.3, eqs. 16-19.
 
-Differences from the print: K = [0.4 0.04] belongs to [rate, error], not to [error, rate]: as printed the
-error would oscillate with 3 % of critical damping.  ``settings: as_printed`` has the two this way round; the
-defaults are slower, for a rigid body.
+Differences from the print: K = [0.4 0.04] is taken as [rate, error], not as [error, rate]: as printed the
+error would oscillate with 3 % of critical damping. ``settings: as_printed`` uses these two values in the
+corrected order; the defaults are slower, for a rigid body.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class FlParams(PrintedParams):
     error_gain: float = param(
         0.0064, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
     )
-    rate_gain: float = param(0.144, "gain on its rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
+    rate_gain: float = param(0.144, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 

@@ -1,23 +1,22 @@
-"""FNPEG, fully numerical predictor-corrector entry guidance: bank linear in energy, and the reversals, so
-that the predicted flight ends at the aim point in range and crossrange.
+"""FNPEG, fully numerical predictor-corrector entry guidance: a bank angle linear in energy and the speeds of
+its reversals are solved for, so that the predicted flight ends at the aim point in range and crossrange.
 
-Every call flies the onboard prediction to the parachute: from the bank angle that the vehicle has, at the
-rate at which it rolls, through the reversals that are left.  The bank magnitude runs linearly in energy from
-the one that is sought to a fixed one at the end; it is corrected by Gauss-Newton steps, halved until the
-predicted range is better.  The speed of the next reversal is corrected alike until the predicted crossrange
-is none; the one after it is foreseen at a set share of that speed.  Where the largest bank angle ends beyond
-the aim point all the same, the reversal is moved to where both misses together are least: rolling through
-lift up adds range, the more the slower the vehicle rolls.  Where the smallest bank angle ends short, it is
-let go (:mod:`~edl6dof.fsw.guidance.entry.reach`).  Where load or heat rate would pass
-their limits, vertical lift is added until the altitude rate is one that keeps them.
-Sources: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV
-and V (range, altitude-rate feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017,
-"Verification of a fully numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216
-(reversals by prediction).
+Every call flies the onboard prediction to the parachute: from the present bank angle, at the bank rate of the
+vehicle, through the remaining reversals. The bank magnitude is linear in energy, from an unknown one now to a
+fixed one at the end; the unknown is corrected by Gauss-Newton steps, halved until the predicted range
+improves. The speed of the next reversal is corrected in the same way until the predicted crossrange is zero;
+the reversal after it is assumed at a set share of that speed. Where even the largest bank angle ends beyond
+the aim point, the reversal is moved to the speed with the least miss of range and crossrange together:
+rolling through lift up adds range, the more the slower the vehicle rolls. Where the smallest bank angle ends
+short, smaller ones are allowed (:mod:`~edl6dof.fsw.guidance.entry.reach`). Where load or heat rate would
+exceed their limits, vertical lift is added until the altitude rate respects them. Sources: Lu 2014, "Entry
+guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV and V (range, altitude-rate
+feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017, "Verification of a fully
+numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216 (reversals by prediction).
 
-Differences: energy here is kinetic energy, which at the low end is known beforehand; Smith decides by the
-ratio of two predicted crossranges, here the reversal is solved for.  With ``reversal.logic: own_sign`` the
-planned reversals are flown; with another logic the magnitude alone.
+Differences: energy here is kinetic energy, whose final value is known beforehand; Smith decides by the ratio
+of two predicted crossranges, here the speed of the reversal is solved for. With ``reversal.logic: own_sign``
+the planned reversals are flown; with another logic only the magnitude is used.
 """
 
 from __future__ import annotations
@@ -49,24 +48,24 @@ class FnpegParams(Params):
     )
     tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
     authority_m: float = param(
-        200.0, "bank is corrected while all bank angles span this range", status="design", ge=0.0, le=100e3
+        200.0, "range that bank must span in order to be corrected", status="design", ge=0.0, le=100e3
     )
     start_drag_m_s2: float = param(
-        0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
+        0.3, "drag at which correction begins; before, the first plan is flown", ge=0.0
     )
     halvings: int = param(3, "most times that a step is halved in one call", ge=0, le=10)
     limit_time_s: float = param(
-        8.0, "time in which load or heat rate may come up to its limit", status="design", gt=0.0, le=100.0
+        8.0, "time in which load or heat rate may reach its limit", status="design", gt=0.0, le=100.0
     )
     lift_time_s: float = param(
-        3.0, "time in which lift makes up for an altitude rate too low", status="design", gt=0.0, le=100.0
+        3.0, "time in which lift corrects too low an altitude rate", status="design", gt=0.0, le=100.0
     )
     reversals: int = param(3, "reversals planned", ge=0, le=10)
     spacing: float = param(
-        0.55, "first guess of the speed of a reversal over the one before it", status="design", gt=0.0, lt=1.0
+        0.55, "first guess of the speed of a reversal over the one before", status="design", gt=0.0, lt=1.0
     )
     stretch: bool = param(
-        True, "whether bank_min_deg is let go where it leaves range too short", status="design"
+        True, "whether bank may be below bank_min_deg where range is short", status="design"
     )
     heading_speed_m_s: float | None = param(
         None, "this law's own value of heading.speed_m_s", status="design", record=False, ge=0.0, le=10e3
@@ -76,19 +75,19 @@ class FnpegParams(Params):
 MEMORY = record(
     ("started", FLAG),
     ("side", "f8"),  # +1 right, -1 left
-    ("bank", "f8"),  # magnitude now, rad; beyond the largest, what is added to the last
+    ("bank", "f8"),  # rad: unknown bank magnitude now; the excess over the largest is added to the last bank
     ("turn", "f8"),  # speed of the next reversal, m/s; 0 when none is left
-    ("later", "f8"),  # speed at which the one after it is foreseen, m/s; 0 for none
+    ("later", "f8"),  # m/s: assumed speed of the reversal after it; 0: none
     ("left", COUNT),  # reversals left
-    ("miss", "f8"),  # predicted, m: downrange, and crossrange
-    ("aside", "f8"),
+    ("miss", "f8"),  # m: predicted downrange miss
+    ("aside", "f8"),  # m: predicted crossrange miss
 )
 
 
 @kernel
 def bank_plan(params, onboard, nav, memory, bank, turn):
-    """The plan of bank magnitude ``bank`` (rad) now and the next reversal at ``turn`` (m/s); what ``bank`` is
-    beyond the largest is added to the last bank.
+    """Bank plan with magnitude ``bank`` (rad) now and the next reversal at speed ``turn`` (m/s); the excess
+    of ``bank`` over the largest bank angle is added to the last bank.
     """
     now = min(bank, onboard.guidance.entry.bank_max)
     return linear(
@@ -103,7 +102,7 @@ def bank_plan(params, onboard, nav, memory, bank, turn):
 
 @kernel
 def most_bank(params, entry):
-    """The largest bank angle all the way, as the number that is sought (rad)."""
+    """Value (rad) of the unknown with which the largest bank angle is flown to the end."""
     return entry.bank_max + max(entry.bank_max - params.last_bank, 0.0)
 
 
@@ -116,7 +115,7 @@ def ends(params, onboard, nav, memory, out, bank, turn):
 
 @kernel
 def correct_range(params, onboard, nav, memory, out):
-    """One Gauss-Newton step of the bank magnitude, halved until the predicted range is better."""
+    """Correct the bank magnitude by one Gauss-Newton step, halved until the predicted range improves."""
     entry = onboard.guidance.entry
     most = most_bank(params, entry)
     nudge = NUDGE_BANK if memory.bank + NUDGE_BANK <= most else -NUDGE_BANK
@@ -139,8 +138,8 @@ def correct_range(params, onboard, nav, memory, out):
 
 @kernel
 def move_turn(params, onboard, nav, memory, out, slowest, way, weight):
-    """Move the next reversal's speed by ``way`` (m/s), halved until the predicted crossrange, together with
-    ``weight`` times the downrange miss, is less.
+    """Change the speed of the next reversal by ``way`` (m/s), halved until the predicted crossrange, combined
+    with ``weight`` times the downrange miss, is smaller.
     """
     way = clamp(way, -STEP_TURN, STEP_TURN)
     for _ in range(params.halvings + 1):
@@ -156,7 +155,7 @@ def move_turn(params, onboard, nav, memory, out, slowest, way, weight):
 
 @kernel
 def correct_turn(params, onboard, nav, memory, out, slowest):
-    """One step of the next reversal's speed to where the predicted crossrange is none."""
+    """Correct the speed of the next reversal by one step towards zero predicted crossrange."""
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
     _, beside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn + nudge)
     slope = (beside - memory.aside) / nudge
@@ -167,7 +166,9 @@ def correct_turn(params, onboard, nav, memory, out, slowest):
 
 @kernel
 def least_of_both(params, onboard, nav, memory, out, slowest):
-    """One Gauss-Newton step of the next reversal's speed for downrange and crossrange together."""
+    """Correct the speed of the next reversal by one Gauss-Newton step for downrange and crossrange
+    together.
+    """
     nudge = NUDGE_TURN if memory.turn + NUDGE_TURN <= nav.speed else -NUDGE_TURN
     down, aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn + nudge)
     down_slope, aside_slope = (down - memory.miss) / nudge, (aside - memory.aside) / nudge
@@ -178,7 +179,9 @@ def least_of_both(params, onboard, nav, memory, out, slowest):
 
 @kernel
 def correct(params, onboard, nav, memory, out, slowest):
-    """Correct the plan, where its predicted end is off by more than the tolerance."""
+    """Correct the plan where its predicted end misses the aim point by more than the tolerance; ``slowest``:
+    speed (m/s) at which range control ends.
+    """
     memory.miss, memory.aside = ends(params, onboard, nav, memory, out, bank=memory.bank, turn=memory.turn)
     if abs(memory.miss) > params.tolerance:
         correct_range(params, onboard, nav, memory, out)
@@ -194,7 +197,7 @@ def correct(params, onboard, nav, memory, out, slowest):
 
 @kernel
 def start(params, onboard, nav, memory, out, slowest):
-    """The plan before the first correction: reversals equally far apart in speed."""
+    """Set the plan before the first correction: speeds of reversals in a fixed ratio."""
     memory.side = first_side(out)
     memory.left = params.reversals
     memory.bank = abs(nav.bank)
@@ -203,8 +206,8 @@ def start(params, onboard, nav, memory, out, slowest):
 
 @kernel
 def foresee(params, turn, memory, slowest):
-    """Foresee the next reversal at ``turn`` (m/s), no slower than range is controlled to, and where the one
-    after it stays until the next is done.
+    """Plan the next reversal at ``turn`` (m/s), not below ``slowest``, and the one after it, whose speed
+    stays until the next has been flown.
     """
     memory.turn = max(turn, slowest) if memory.left > 0 else 0.0
     memory.later = params.spacing * memory.turn if memory.left > 1 else 0.0
@@ -212,7 +215,7 @@ def foresee(params, turn, memory, slowest):
 
 @kernel
 def reverse_when_due(params, nav, memory, slowest):
-    """Change the side at the planned speed, and turn to the reversal after it where it was foreseen."""
+    """Change the side at the planned speed; the reversal after it becomes the next."""
     if memory.left > 0 and nav.speed <= memory.turn:
         memory.side = -memory.side
         memory.left -= 1
@@ -221,10 +224,10 @@ def reverse_when_due(params, nav, memory, slowest):
 
 @kernel
 def least_climb(params, onboard, nav):
-    """Lowest altitude rate (m/s) with which load and heat rate keep their limits, less the margin.
+    """Lowest altitude rate (m/s) at which load and heat rate respect their limits, less the margin.
 
     With exponential air the load changes at the rate -h'/H + 2 V'/V, the heat rate at -h'/(2 H) + 3 V'/V;
-    either may grow by what is left to its limit within the limit time.
+    either may reach its limit within the limit time.
     """
     limits = onboard.guidance.entry.limits
     density, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
@@ -239,7 +242,7 @@ def least_climb(params, onboard, nav):
 
 @kernel
 def within_limits(params, onboard, nav, bank):
-    """Bank angle (rad) whose vertical lift is that of ``bank`` plus the lift that the limits require."""
+    """Bank angle (rad) with the vertical lift of ``bank`` plus the lift that the limits require."""
     short = least_climb(params, onboard, nav) - nav.speed * sin(nav.flight_path_angle)
     if short <= 0.0 or nav.lift <= 0.0:
         return bank

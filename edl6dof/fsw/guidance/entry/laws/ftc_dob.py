@@ -1,11 +1,12 @@
 """Finite-time drag tracking with a nonlinear disturbance observer.
 
-Source: Yan, Sun & Guo 2016, eqs. 13-22.  The error of drag is driven to zero in finite time by fractional
-powers of error and error rate; the disturbance of the flight-path rate is observed and taken out.  The paper
-prints neither gains nor exponent: those here are this software's.
+Source: Yan, Sun & Guo 2016, eqs. 13-22. The error of drag is driven to zero in finite time by fractional
+powers of error and error rate; the disturbance of the flight-path rate is observed and compensated. The paper
+prints neither gains nor exponent; the values here are chosen for this software.
 
 Differences from the print: eq. 22 has the sign of the reference acceleration reversed against eq. 20; the
-drag dynamics keep what g loses with height, which eq. 14 leaves out; beta is printed in m where 1/m is meant.
+drag dynamics include the decrease of g with height, which eq. 14 leaves out; beta is printed in m where 1/m
+is meant.
 """
 
 from __future__ import annotations

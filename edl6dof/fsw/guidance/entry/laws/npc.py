@@ -1,15 +1,16 @@
 """Fully numerical predictor-corrector: the bank magnitude whose predicted flight ends at the aim point.
 
 Every call flies the onboard prediction to the parachute and corrects one number, the shift of the reference's
-cos(bank), by Newton's method with a finite-difference slope (Gauss-Newton for one unknown), from the last
-call's solution.  Reversals are foreseen at the speeds of the plan, in order, for the range that rolling
-through lift up adds at the vehicle's bank rate.  Density and lift-to-drag errors enter as measured ratios.
-Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), section IV:
-one-parameter bank profile, terminal range error as a function of it, Gauss-Newton iteration.
+cos(bank), by Newton's method with a finite-difference slope (Gauss-Newton for one unknown), from the solution
+of the last call. The prediction includes the reversals at the speeds of the plan, in order, for the range
+that rolling through lift up adds at the bank rate of the vehicle. Density and lift-to-drag errors enter as
+measured ratios. Source: Lu 2014, "Entry guidance: a unified method", J. Guidance, Control, and Dynamics
+37(3), section IV: one-parameter bank profile, terminal range error as a function of it, Gauss-Newton
+iteration.
 
 Differences: the bank profile is the reference's over speed (by default a constant) instead of one linear in
 energy; the unknown is added to cos(bank), in which range is nearly linear, instead of to the bank angle; the
-prediction ends at the parachute's Mach number, which the mission table watches, instead of a final energy.
+prediction ends at the Mach number of the parachute in the mission table, instead of a final energy.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ class NpcParams(Params):
     tolerance_m: float = param(50.0, "predicted miss at which the iteration stops", gt=0.0, le=10e3)
     iterations: int = param(4, "most Newton steps in one call", ge=1, le=20)
     start_drag_m_s2: float = param(
-        0.3, "drag at which correction begins; before, the reference bank is held", ge=0.0
+        0.3, "drag at which correction begins; before, the reference bank is flown", ge=0.0
     )
 
 
-#: Reversals of the plan that are looked at, at most.
+#: Most reversals of the plan that are used.
 MAX_TURNS = 12
 
 MEMORY = record(
@@ -47,7 +48,7 @@ MEMORY = record(
     ("started", FLAG),
     ("miss", "f8"),
     ("iterations", COUNT),
-    ("side", "f8"),  # at the last call, +1 right, -1 left
+    ("side", "f8"),  # side of the bank at the last call, +1 right, -1 left
     ("done", COUNT),  # reversals begun
 )
 
@@ -64,7 +65,7 @@ def miss_of(onboard, nav, out, shift, turn, later):
 
 @kernel
 def next_turns(plan, memory, out):
-    """Speeds (m/s) of the two planned reversals that come next by the number of those begun, 0 for none."""
+    """Speeds (m/s) of the next two planned reversals, counted by the reversals begun; 0: none."""
     if memory.side != 0.0 and out.side != memory.side:
         memory.done += 1
     memory.side = out.side
@@ -74,7 +75,7 @@ def next_turns(plan, memory, out):
 
 @kernel
 def solve(p, onboard, nav, out, low, high, turn, later, memory):
-    """Move ``memory.shift`` to where the predicted miss is zero, or to the nearer of ``low`` and ``high``."""
+    """Move ``memory.shift`` to zero predicted miss, or to the nearer of ``low`` and ``high``."""
     memory.shift = clamp(memory.shift, low, high)
     memory.iterations = 0
     memory.miss = miss_of(onboard, nav, out, memory.shift, turn, later=later)
@@ -102,7 +103,7 @@ def guide(params, plan, onboard, nav, memory, out):
             memory.started = 1
     turn, later = next_turns(plan, memory, out)
     if memory.started != 0 and nav.speed > max(entry.align_speed, entry.heading.speed):
-        # the shift may not leave what the present bank angle can follow
+        # the shifted bank angle stays within its limits
         own = cos(reference_bank(onboard, 0.0, nav.speed))
         low, high = cos(entry.bank_max) - own, cos(entry.bank_min) - own
         solve(params, onboard, nav, out, low, high=high, turn=turn, later=later, memory=memory)
@@ -110,7 +111,7 @@ def guide(params, plan, onboard, nav, memory, out):
 
 
 def lay_plan(onboard: np.ndarray, planned: np.ndarray) -> None:
-    """Note the speeds at which the plan reverses."""
+    """Store the speeds at which the plan reverses."""
     side = planned["side"]
     changes = np.flatnonzero((side[1:] != side[:-1]) & (side[:-1] != 0.0)) + 1
     turns = planned["speed"][changes][:MAX_TURNS]

@@ -1,7 +1,8 @@
-"""Proportional-derivative drag tracking with the same disturbance observer as the finite-time law: its
-comparison.
+"""Proportional-derivative drag tracking with the disturbance observer of the finite-time law (``ftc_dob``),
+for comparison with it.
 
-Source: Yan, Sun & Guo 2016, section 3.  The paper does not print the gains: those here are this software's.
+Source: Yan, Sun & Guo 2016, section 3. The paper does not print the gains; the values here are chosen for
+this software.
 """
 
 from __future__ import annotations

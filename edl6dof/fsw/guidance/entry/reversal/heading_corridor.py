@@ -1,7 +1,8 @@
 """Bank reversal when the heading error leaves a corridor that narrows with the range to go.
 
 The heading error is the angle at the vehicle between its velocity and the great circle to the aim point.
-Source: Wu, Cui & Cui 2013, section 4 and Fig. 2, whose numbers are not printed; those here are a choice.
+Source: Wu, Cui & Cui 2013, section 4 and Fig. 2, which prints no numbers; the values here are chosen for this
+software.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from edl6dof.spatial.vector import clamp
 
 
 class HeadingCorridorParams(Params):
-    """Bank-reversal corridor: heading error allowed, linear in the range to go up to a largest one."""
+    """Bank-reversal corridor: allowed heading error, linear in the range to go up to a maximum."""
 
     near_deg: float = param(1.0, "half width at the aim point", ge=0.0, le=90.0)
     far_deg: float = param(8.0, "half width at far_range_km and beyond", ge=0.0, le=90.0)
-    far_range_km: float = param(300.0, "range to go at which it has widened to far_deg", gt=0.0)
+    far_range_km: float = param(300.0, "range to go at which the half width reaches far_deg", gt=0.0)
 
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once the heading leaves the corridor on the side turned to."""
+    """Side (+1 right): the other one once the heading error leaves the corridor on the present side."""
     p, radius = params, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)

@@ -1,5 +1,5 @@
-"""No reversal logic: the sign of the bank angle is the law's own, for open-loop profiles and laws that steer
-both planes.
+"""No reversal logic: the sign of the bank angle is that of the law, for open-loop profiles and laws that
+control downrange and crossrange.
 
 Source: none, this is the null member of the family.
 """
@@ -12,7 +12,7 @@ from edl6dof.registry import Member
 
 
 class OwnSignParams(Params):
-    """The law's own sign."""
+    """The sign of the law."""
 
 
 @kernel

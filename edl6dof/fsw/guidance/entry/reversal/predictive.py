@@ -1,11 +1,11 @@
-"""Predictive bank reversal: bank over when the predicted crossrange of reversing now is a set share of that
-of going on.
+"""Predictive bank reversal: reverse when the predicted crossrange of a reversal now is a set share of that
+without reversal.
 
-Two predictions a call, banked to one side all the way: going on as now, and reversed now.  Reversing when the
-second miss has fallen to ``ratio`` times the first leaves each leg that much smaller than the one before,
-whatever density and lift turn out to be; the number of reversals follows from the ratio alone.  Source: Smith
-2016, "Predictive lateral logic for numerical entry guidance algorithms", AAS 16-216 (the damping-ratio idea);
-the reversal is predicted at the vehicle's bank rate.
+Each call makes two predictions with the bank to one side up to the end: to the present side, and to the other
+one from now on. A reversal when the second miss has fallen to ``ratio`` times the first makes each leg
+smaller than the one before by this ratio, whatever density and lift are; the ratio alone determines the
+number of reversals. Source: Smith 2016, "Predictive lateral logic for numerical entry guidance algorithms",
+AAS 16-216 (the damping-ratio idea); the reversal is predicted at the vehicle's bank rate.
 """
 
 from __future__ import annotations
@@ -24,17 +24,19 @@ class PredictiveParams(Params):
     """Predictive bank reversal."""
 
     ratio: float = param(
-        0.5, "predicted crossrange of a reversal now, over that of going on, to reverse at", gt=0.0, lt=1.0
+        0.5, "predicted crossrange of a reversal now over that without, at which to reverse", gt=0.0, lt=1.0
     )
     dead_zone_m: float = param(
-        500.0, "predicted crossrange of going on below which nothing is reversed", ge=0.0, le=100e3
+        500.0, "predicted crossrange without reversal up to which none is made", ge=0.0, le=100e3
     )
-    least_drag_m_s2: float = param(1.0, "drag below which nothing is reversed", ge=0.0)
+    least_drag_m_s2: float = param(1.0, "drag below which no reversal is made", ge=0.0)
 
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once reversing overshoots by at most ``ratio`` of keeping the side."""
+    """Side (+1 right): the other one once a reversal overshoots by at most ``ratio`` times the miss without
+    it.
+    """
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:
         return sign

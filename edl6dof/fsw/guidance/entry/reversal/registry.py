@@ -1,13 +1,13 @@
-"""The bank-reversal logics, and the steering that all laws share: from the bank angle that a law wants to the
-one commanded by limits, side, heading alignment, wings level and rate.
+"""The bank-reversal logics, and the steering that all laws share: limits, side, heading alignment, level
+wings and bank rate turn the bank angle that a law wants into the commanded one.
 
 A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``: the side to bank to (+1
 right, -1 left), given the bank angle that the law wants (rad), the present side, and range and crossrange in
-``out``.  ``params`` and ``memory`` are its own.
+``out``. ``params`` and ``memory`` belong to the member.
 
 Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range
-control, sign from the lateral logic; near the end the range control stops and the bank angle takes out the
-heading error; last the lift is levelled for the parachute.
+control, sign from the lateral logic; near the end range control stops and the bank angle removes the heading
+error; last the lift is levelled for the parachute.
 """
 
 from __future__ import annotations
@@ -45,13 +45,17 @@ STEERING = record(
 
 @kernel
 def limited(onboard, out, wanted):
-    """Bank magnitude (rad) between the smallest that the law allows now and the largest of all laws."""
+    """Magnitude of the ``wanted`` bank angle (rad), limited to the smallest that the law allows now and the
+    largest of all laws.
+    """
     return clamp(abs(wanted), out.least_bank, onboard.guidance.entry.bank_max)
 
 
 @kernel
 def chosen_side(bank_side, onboard, nav, memory, out, wanted):
-    """Side to bank to: the first one, then as the reversal logic says; reversals are counted."""
+    """Side to bank to, first that of :func:`.aim_point.first_side`, then that of the reversal logic;
+    reversals are counted.
+    """
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
         memory.sign = first_side(out)
@@ -66,8 +70,8 @@ def chosen_side(bank_side, onboard, nav, memory, out, wanted):
 
 @kernel
 def steer_bank(bank_side, onboard, nav, memory, out, wanted):
-    """Write the commanded bank angle into ``out`` for the ``wanted`` one of the law (rad; its sign counts for
-    ``own_sign`` only).  The rate limit moves the command through zero bank, never through lift down.
+    """Write the commanded bank angle into ``out`` for the bank angle ``wanted`` by the law (rad; only
+    ``own_sign`` uses its sign). The rate limit moves the command through zero bank, never through lift down.
     """
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:

@@ -1,1 +1,3 @@
-"""Convex optimal powered guidance: the fuel-optimal landing, solved in flight by projections alone."""
+"""Convex optimal powered guidance: the fuel-optimal landing, solved in flight by a
+projected-gradient method.
+"""

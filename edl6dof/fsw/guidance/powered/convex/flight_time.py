@@ -1,9 +1,9 @@
-"""Time of flight, and how much of it at full thrust.
+"""Search for the time of flight, and for the part of it at full thrust.
 
-Full thrust is for the start alone; the rest, ``throttled`` seconds, keeps to the throttle band.  For a given
-``throttled`` the time of flight is searched by bisection on the growth of the cost with it, which
-follows from the multipliers (the Hamiltonian at the end, Pontryagin); where the landing is out of reach, from
-the cost of its errors.  Then ``throttled`` is lengthened from its least value while that costs less.
+Full thrust is used only at the start; the rest, ``throttled`` seconds, is within the throttle band. For a
+given ``throttled`` the time of flight is found by bisection on the derivative of the cost by this time, which
+follows from the multipliers (the Hamiltonian at the end, Pontryagin); where the landing is out of reach the
+cost includes its errors. Then ``throttled`` is increased from its least value while the cost falls.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from edl6dof.spatial.vector import dot, norm, take3
 
 #: Shortest time of flight (s), longest over its first guess, and shortest start at full thrust (s).
 SHORTEST, LONGEST, LEAST_FULL = 2.0, 4.0, 0.5
-#: Time of flight is known when its bracket is narrower than this share of it.
+#: The search for the time of flight ends when its bracket is narrower than this share of it.
 CLOSE = 0.01
-#: Divisor of the iterations of a solution on the way to the best time: its growth is all that is asked.
+#: Divisor of the iterations of a trial solution, of which only the derivative of the cost is used.
 TRIAL = 3
 #: First step away from a guess of the time of flight, over it.
 REACH = 0.1
-#: Factor from one length of the throttled part to the next, and where it is fine enough.
+#: First factor by which the throttled time is varied, and the factor at which the refinement ends.
 LONGER, FINEST = 1.5, 1.08
 
 
 @kernel
 def growth(landing, plan):
-    """Change of the cost with the time of flight (m/s2), the time in the throttle band being kept."""
+    """Derivative of the cost (m/s) by the time of flight (s) at constant time in the throttle band, m/s2."""
     last = CONTROLS - 1
     thrust = take3(plan.w[last], 0)
     primer, pull = take3(plan.primer_end, 0), take3(plan.pull, 0)
@@ -53,8 +53,8 @@ def growth(landing, plan):
 
 @kernel
 def try_time(landing, time, throttled, most, plan):
-    """Solve for a time of flight with ``throttled`` s of it in the throttle band, from the solution in
-    ``plan``; returns the growth of the cost.
+    """Solve for the time of flight ``time`` (s) with ``throttled`` s of it in the throttle band, from the
+    solution in ``plan``; returns the derivative of the cost.
     """
     shift_controls(plan, 0.0, time, max(time - throttled, 0.0))
     solve(landing, most, plan)
@@ -67,9 +67,9 @@ def search_time(landing, throttled, reach, most, plan):
 
     Args:
         landing: ``LANDING`` record.
-        throttled: s; infinite: all of it.
+        throttled: time in the throttle band, s; infinite: all of the flight.
         reach: first step away from the time in ``plan``, over it.
-        most: iterations of the solution; those on the way get a share of them.
+        most: most iterations of the final solution; trial solutions get a share of them.
         plan: ``PLAN`` record: first guess, then the solution.
     """
     few = most // TRIAL
@@ -98,7 +98,9 @@ def search_time(landing, throttled, reach, most, plan):
 
 @kernel
 def try_throttled(landing, throttled, most, plan, other):
-    """Take ``throttled`` s in the throttle band into ``plan`` if that costs less; whether it does."""
+    """Put the best plan with ``throttled`` s in the throttle band into ``plan`` if it costs less; returns
+    whether it does. ``other``: workspace.
+    """
     copy_plan(plan, other)
     if throttled < inf:
         shift_controls(other, 0.0, throttled + other.full_time, other.full_time)
@@ -111,7 +113,7 @@ def try_throttled(landing, throttled, most, plan, other):
 
 @kernel
 def try_earlier(landing, throttled, share, most, plan, other):
-    """Take an arrival that is earlier by a ``share`` of the time to go into ``plan`` if that costs less."""
+    """Put a plan that arrives earlier by a ``share`` of the time to go into ``plan`` if it costs less."""
     if growth(landing, plan) <= 0.0:
         return
     copy_plan(plan, other)
@@ -122,7 +124,7 @@ def try_earlier(landing, throttled, share, most, plan, other):
 
 @kernel
 def refine_throttled(landing, throttled, least, factor, most, plan, other):
-    """Vary ``throttled`` by ever smaller factors as long as that costs less."""
+    """Vary ``throttled`` (s) by ever smaller factors, and keep each plan that costs less."""
     while factor > FINEST:
         factor = sqrt(factor)
         if try_throttled(landing, factor * throttled, most, plan, other):
@@ -133,18 +135,17 @@ def refine_throttled(landing, throttled, least, factor, most, plan, other):
 
 @kernel
 def search_times(landing, least, most, plan, other):
-    """Find the best time of flight, and how long of it is throttled: all of it, if that costs less.
+    """Find the best time of flight, and the best time in the throttle band, which may be all of it.
 
     Args:
         landing: ``LANDING`` record.
         least: shortest time in the throttle band, s.
         most: iterations of each solution.
-        plan, other: ``PLAN`` records: the guess of the time of flight, then the solution; a second to work
-            in.
+        plan, other: ``PLAN`` records: first guess of the time of flight, then the solution; workspace.
     """
     throttled = least
     search_time(landing, throttled, REACH, most, plan)
-    # what is longer than any flight cannot cost less; nor can what is not finite
+    # a time longer than any flight, or not finite, cannot cost less
     while throttled < LONGEST * plan.time and try_throttled(landing, LONGER * throttled, most, plan, other):
         throttled *= LONGER
     refine_throttled(landing, throttled, least, factor=LONGER, most=most, plan=plan, other=other)

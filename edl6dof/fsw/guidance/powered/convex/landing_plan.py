@@ -1,15 +1,15 @@
-"""The convex landing problem of the flight computer, and its solution: the plan, its grid in time, its
+"""The convex landing problem of the flight computer, and the plan that solves it: time grid, controls and
 motion.
 
-Least fuel for a point mass that comes to rest at the origin; axes east, north, up.  Lossless convexification:
+Least fuel for a point mass that comes to rest at the origin; axes east, north, up. Lossless convexification:
 the thrust acceleration u and its bound s, |u| <= s, low <= s <= high, where low and high are the thrust
-limits over the mass along the plan.  Thrust may begin at full level, beyond a gap in the engine's range;
-there low and high are both full thrust over mass.  Sources: Acikmese & Ploen 2007, J. Guidance 30(5);
-Acikmese, Carson, Blackmore 2013, IEEE Trans. Control Systems Technology 21(6).
+limits over the mass along the plan. Thrust may begin at full level, above the throttle band; there low and
+high are both full thrust over mass. Sources: Acikmese & Ploen 2007, J. Guidance 30(5); Acikmese, Carson,
+Blackmore 2013, IEEE Trans. Control Systems Technology 21(6).
 
-Velocity and position at the end are sums of u over time with the weights 1 and (time to go).  Made
-orthonormal they are ``flat`` = 1 / sqrt(time) and ``slant``: so the six conditions at the end have a matrix
-whose rows are orthonormal, the best preconditioning that there is.
+Velocity and position at the end are sums of u over time with the weights 1 and (time to go). Orthonormalised
+these weights are ``flat`` = 1 / sqrt(time) and ``slant``: the matrix of the six conditions at the end then
+has orthonormal rows, which is the best possible preconditioning.
 """
 
 from __future__ import annotations
@@ -21,57 +21,57 @@ from edl6dof.records import COUNT, FLAG, record
 from edl6dof.spatial.table_index import cell
 from edl6dof.spatial.vector import put3, take3
 
-#: Controls of a plan, each held constant.
+#: Controls of a plan: intervals of constant thrust acceleration.
 CONTROLS = 30
 
 LANDING = record(
     ("mass", "f8"),  # kg
     ("low", "f8"),  # N, least thrust
     ("high", "f8"),  # N, largest thrust
-    ("low_now", "f8"),  # N, least and largest thrust in the first seconds
-    ("high_now", "f8"),
-    ("now", "f8"),  # s, how long they hold
-    ("full", "f8"),  # N, thrust of the start
+    ("low_now", "f8"),  # N, least thrust in the first seconds
+    ("high_now", "f8"),  # N, largest thrust in the first seconds
+    ("now", "f8"),  # s, duration of these two limits
+    ("full", "f8"),  # N, full thrust, at the start
     ("exhaust_speed", "f8"),  # m/s
     ("gravity", "f8"),  # m/s2, downwards
     ("position", "f8", (3,)),  # m, from the landing point
     ("velocity", "f8", (3,)),  # m/s
-    ("slope", "f8"),  # tangent of the least angle of the lander over the horizon; negative: none
-    ("cos_tilt", "f8"),  # of the largest tilt of thrust
-    ("cos_last_tilt", "f8"),  # of that of the last control
-    ("miss_price", "f8"),  # 1/s: velocity worth a metre of horizontal miss
+    ("slope", "f8"),  # tangent of the least elevation of the lander seen from the target; negative: none
+    ("cos_tilt", "f8"),  # cosine of the largest tilt of thrust
+    ("cos_last_tilt", "f8"),  # cosine of the largest tilt in the last control
+    ("miss_price", "f8"),  # 1/s: cost in velocity of a metre of horizontal miss
 )
 
 PLAN = record(
     ("time", "f8"),  # s, of flight
-    ("full_time", "f8"),  # s of it at full thrust, at the start
+    ("full_time", "f8"),  # s, of it at full thrust, at the start
     ("u", "f8", (CONTROLS, 3)),  # m/s2
     # the primer vector is primer_end + pull * (time to go)
     ("primer_end", "f8", (3,)),
     ("pull", "f8", (3,)),  # 1/s
     ("glide", "f8", (CONTROLS, 3)),  # multipliers of the glide slope where each control ends
     ("fuel", "f8"),  # kg
-    ("cost", "f8"),  # m/s: velocity spent, and the worth of the miss
-    ("miss", "f8"),  # m, horizontal, where the landing point cannot be reached
+    ("cost", "f8"),  # m/s: velocity spent, plus the cost of the errors at the end
+    ("miss", "f8"),  # m, horizontal, at the end
     ("height_error", "f8"),  # m, at the end
     ("end_velocity", "f8", (3,)),  # m/s
     ("change", "f8"),  # of the primer, in the last iteration
     ("iterations", COUNT),  # of the last solution
     ("converged", FLAG),
-    # the grid and what an iteration works with
+    # the grid, and workspace of an iteration
     ("step", "f8", (CONTROLS,)),  # s
     ("to_go", "f8", (CONTROLS,)),  # s, from the middle of each control
     ("slant", "f8", (CONTROLS,)),  # second basis function of the end; the first is constant
     ("mass", "f8", (CONTROLS,)),  # kg, in the middle of each control
-    ("w", "f8", (CONTROLS, 3)),  # m/s2, the iterate within its bounds
-    ("push", "f8", (CONTROLS, 3)),  # of the glide slope on the primer
-    ("row", "f8", (CONTROLS,)),  # factor of the glide slope where each control ends
+    ("w", "f8", (CONTROLS, 3)),  # m/s2, thrust acceleration within its bounds
+    ("push", "f8", (CONTROLS, 3)),  # contribution of the glide slope to the primer
+    ("row", "f8", (CONTROLS,)),  # scale of the glide-slope constraint where each control ends
 )
 
 
 @kernel
 def full_controls(plan):
-    """How many controls fill the start at full thrust."""
+    """Number of controls that cover the start at full thrust."""
     if plan.full_time <= 0.0:
         return 0
     nearest, _ = cell(CONTROLS * plan.full_time / plan.time + 0.5, CONTROLS - 1)
@@ -80,8 +80,8 @@ def full_controls(plan):
 
 @kernel
 def lay_grid(plan):
-    """Lay the controls over the time of flight; returns mean time to go (s) and norm of its deviation
-    (s^1.5).
+    """Divide the time of flight into the controls; returns the mean time to go (s) and the norm of its
+    deviation (s^1.5).
     """
     count = full_controls(plan)
     short = plan.full_time / count if count > 0 else 0.0
@@ -114,9 +114,9 @@ def control_at(plan, elapsed):
 
 @kernel
 def shift_controls(plan, elapsed, time, full_time):
-    """Move the start of the plan forward by ``elapsed`` s and lay it over a new ``time``, each control taken
-    from the old plan at its middle.  The multipliers stay: primer at the end and pull are constants of the
-    motion.
+    """Move the start of the plan by ``elapsed`` s and divide its new ``time`` (s) and ``full_time`` into
+    controls, each taken from the old plan at its middle. The multipliers are kept: primer at the end and pull
+    are constants of the motion.
     """
     share = (plan.time - elapsed) / time
     old_full, old_time, old_count = plan.full_time, plan.time, full_controls(plan)
@@ -141,7 +141,7 @@ def shift_controls(plan, elapsed, time, full_time):
 
 @kernel
 def copy_plan(source, target):
-    """Copy the state of a search and the commands that guidance follows."""
+    """Copy a plan without its workspace."""
     target.time, target.full_time = source.time, source.full_time
     target.fuel, target.cost, target.miss = source.fuel, source.cost, source.miss
     target.height_error, target.change = source.height_error, source.change

@@ -1,12 +1,13 @@
-"""Convex optimal guidance: the landing of least fuel that the engine can fly, planned when it lights and
-again while it burns; between plans the thrust of the plan, with feedback of what the lander is off it.
+"""Convex optimal guidance: the landing of least fuel that the engine can fly, planned at ignition and again
+while the engine burns; between plans the thrust of the plan, with feedback of the deviation of position and
+velocity from it.
 
-A share of the thrust is held back for that feedback; a plan that cannot land without it takes it.  Where no
-plan lands at the target, one constraint after another is relaxed, and stays so: the shortest time in the
-throttle band, the height of arrival, the glide slope, the tilt, and the target itself.  What is flown then is
-the plan with the least error, and ``landing_error`` says how large it is.
-Where the engine turns out to be weaker than planned with, or a weak one cannot land in its throttle band, the
-next plan begins from nothing, and may give full level again.
+A share of the thrust is reserved for this feedback; a plan that cannot land without the reserve uses it.
+Where no plan lands at the target, one constraint after another is relaxed for good: the shortest time in the
+throttle band, the height of arrival, the glide slope, the tilt, and the target itself. Then the plan with the
+least error is flown; ``landing_error`` is this error. Where the engine turns out to be weaker than planned
+with, or a weak one cannot land in its throttle band, the next plan starts without the last solution, and may
+use full level again.
 
 Sources: Acikmese & Ploen 2007, "Convex programming approach to powered descent guidance for Mars landing", J.
 Guidance 30(5): the problem; Yu, Elango, Acikmese 2021, IEEE Control Systems Letters 5(6): the method (PIPG);
@@ -43,19 +44,20 @@ from edl6dof.spatial.vector import norm, take3
 
 #: First guess of the time of flight: least descent rate (m/s), and longest time (s).
 LEAST_DESCENT, LONGEST_GUESS = 10.0, 60.0
-#: Error of a plan (m) beyond which thrust is no longer held back, and beyond which constraints are relaxed.
+#: Errors of a plan (m) beyond which the reserve is used, and beyond which constraints are relaxed.
 TOLERATED, UNACCEPTABLE = 1.0, 5.0
-#: Shortest time in the throttle band, s, where that constraint is relaxed: the engine takes it to come down.
+#: Shortest time in the throttle band, s, where this constraint is relaxed: time of the engine to throttle
+#: down.
 LEAST_THROTTLED = 2.0
 #: How much earlier a new plan tries to arrive, over the time to go.
 EARLIER = 0.015
-#: How long thrust that was held back is used, where it is needed, s.
+#: Time from now for which a plan may use the reserve, s.
 NOW = 3.0
-#: How far from the old time of arrival a new plan begins to look, over the time to go.
+#: First step of the search from the old time of arrival, over the time to go.
 REACH = 0.02
-#: How far from the old time in the throttle band, over it.
+#: First factor of the search from the old time in the throttle band.
 FACTOR = 1.3
-#: Share of the thrust of the last plan below which a weaker engine is planned for from nothing.
+#: Full thrust, over that of the last plan, below which a plan starts without the last solution.
 WEAKER = 0.97
 
 
@@ -63,41 +65,41 @@ class ConvexParams(Params):
     """Convex optimal powered guidance."""
 
     tilt_limit_deg: float = param(25.0, "largest tilt of the commanded thrust", gt=0.0, le=60.0)
-    end_tilt_deg: float = param(3.0, "largest tilt of the thrust where the plan ends", gt=0.0, le=60.0)
+    end_tilt_deg: float = param(3.0, "largest tilt of the thrust at the end of the plan", gt=0.0, le=60.0)
     glide_slope_deg: float = param(
-        10.0, "least angle over the horizon at which the target sees the lander", ge=0.0, lt=80.0
+        10.0, "least elevation of the lander seen from the target", ge=0.0, lt=80.0
     )
     thrust_reserve: float = param(
-        0.1, "share of throttle band and tilt limit held back for feedback", status="estimate", ge=0.0, le=0.5
+        0.1, "share of throttle band and tilt limit reserved for feedback", status="estimate", ge=0.0, le=0.5
     )
     throttled_s: float = param(
         8.0, "shortest time in the throttle band before the target, after the start at full thrust", gt=0.0
     )
     plan_interval_s: float = param(1.0, "time from one plan to the next", gt=0.0)
-    last_plan_s: float = param(6.0, "time to go below which there is no new plan", gt=0.0)
+    last_plan_s: float = param(6.0, "time to go below which no new plan is made", gt=0.0)
     miss_price: float = param(
-        1.0, "velocity worth a metre of horizontal miss, where the target cannot be reached, 1/s", gt=0.0
+        1.0, "cost in velocity of a metre of miss, where the target is out of reach, 1/s", gt=0.0
     )
     iterations: int = param(300, "most iterations of a solution", ge=50, le=10000)
     position_gain: float = param(0.05, "acceleration per distance from the plan, 1/s2", ge=0.0)
-    velocity_gain: float = param(0.4, "acceleration per velocity off the plan, 1/s", ge=0.0)
+    velocity_gain: float = param(0.4, "acceleration per velocity deviation from the plan, 1/s", ge=0.0)
 
 
 MEMORY = record(
     ("plans", COUNT),
     ("start", "f8"),  # s, flight time of the start of the plan
-    ("landing_error", "f8"),  # m, of the plan where it ends: miss and height
-    ("relaxed", whole(0, TARGET)),  # how many constraints are, in their order
-    ("landing", LANDING),  # the state that the plan begins in
+    ("landing_error", "f8"),  # m, see ``error_of``
+    ("relaxed", whole(0, TARGET)),  # number of relaxed constraints, in their order
+    ("landing", LANDING),  # problem that the plan solves
     ("plan", PLAN),
-    ("other", PLAN),
+    ("other", PLAN),  # workspace
 )
 
 
 @kernel
 def describe(p, state, nav, target, landing):
-    """Write the landing problem of the present state, with no constraint relaxed: what the engine is believed
-    to lack is taken from the thrust that is held back.
+    """Write the landing problem of the present state, with no constraint relaxed; a believed loss of thrust
+    is taken from the reserve.
     """
     left = 1.0 - state.thrust_lost
     landing.mass = state.mass
@@ -120,7 +122,7 @@ def describe(p, state, nav, target, landing):
 
 @kernel
 def relax(p, nav, target, memory):
-    """Take the constraints that are relaxed out of the landing problem."""
+    """Remove the relaxed constraints from the landing problem."""
     landing, relaxed = memory.landing, memory.relaxed
     if relaxed >= ARRIVAL:
         landing.position[2] = nav.height - target.least_height
@@ -140,7 +142,9 @@ def least_throttled(p, memory):
 
 @kernel
 def first_plan(p, landing, throttled, memory):
-    """Plan from a guess, the time of a constant deceleration, with at least ``throttled`` s in the band."""
+    """Plan from a guess, the time of a constant deceleration, with at least ``throttled`` s in the throttle
+    band.
+    """
     plan = memory.plan
     descent = max(-landing.velocity[2], LEAST_DESCENT)
     plan.time = min(max(2.0 * landing.position[2] / descent, 2.0 * throttled), LONGEST_GUESS)
@@ -157,17 +161,17 @@ def first_plan(p, landing, throttled, memory):
 
 @kernel
 def throttled_of(plan):
-    """How long a plan throttles, s; without end where all of it does, however long it becomes."""
+    """Time in the throttle band, s; infinite if the whole plan is in it, whatever its length."""
     return plan.time - plan.full_time if plan.full_time > 0.0 else inf
 
 
 @kernel
 def next_plan(p, landing, elapsed, memory):
-    """Plan from the solution of the plan before, which began ``elapsed`` s ago, with its time of arrival or a
-    little earlier.
+    """Plan from the last solution, which began ``elapsed`` s ago, with its time of arrival or a slightly
+    earlier one.
 
-    If that cannot be kept, the thrust held back may be used at once, not later; then the time of arrival is
-    searched.  If none will do, the engine gives all of the throttle band now.
+    If this is not possible, the reserve may be used in the next ``NOW`` seconds; then the time of arrival is
+    searched. As a last step the largest thrust of the throttle band is required now.
     """
     plan, other = memory.plan, memory.other
     time, full_time = plan.time - elapsed, max(plan.full_time - elapsed, 0.0)
@@ -193,7 +197,9 @@ def next_plan(p, landing, elapsed, memory):
 
 @kernel
 def make_plan(p, state, nav, target, memory):
-    """Plan from the present state; where it cannot land, from nothing with more constraints relaxed."""
+    """Plan from the present state; where no landing results, without the last solution and with more
+    constraints relaxed.
+    """
     landing, plan = memory.landing, memory.plan
     weaker = state.engine.full_thrust < WEAKER * landing.full
     describe(p, state, nav, target, landing)
@@ -220,7 +226,9 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return how far from the target, if any, a plan ends, plus how far it moves on in a second, m."""
+    """Return the distance (m) from the target, if one is required, at which a plan ends, plus the way of one
+    second at its final velocity.
+    """
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
 

@@ -1,21 +1,21 @@
 """Proportional-integral projected gradient iteration for the landing of a given time.
 
-Each iteration asks the engine for the nearest thrust (a projection in closed form for each control), sums up
-where that ends, and moves the multipliers: of the end, and of the glide slope (a projection onto a cone where
-each control ends).  Velocity and position are eliminated, as they are sums over the controls; the six
-conditions that remain are preconditioned (:mod:`~edl6dof.fsw.guidance.powered.convex.landing_plan`).  The
-mass along the plan follows the iterates.  Multipliers are bounded: beyond its price a miss costs less than
-avoiding it, which is the landing of least error (Blackmore, Acikmese, Scharf 2010) where the point cannot be
-reached.
+Each iteration computes the nearest admissible thrust (a projection in closed form for each control) and the
+end of the motion with it, and updates the multipliers: of the end, and of the glide slope (a projection onto
+a cone where each control ends). Velocity and position are eliminated, as they are sums over the controls; the
+six conditions that remain are preconditioned (:mod:`~edl6dof.fsw.guidance.powered.convex.landing_plan`). The
+mass along the plan follows the iterates. Multipliers are bounded: a miss then has a price, above which it is
+not avoided, and the result is the landing of least error (Blackmore, Acikmese, Scharf 2010) where the point
+is out of reach.
 
-Glide slope: where each control ends, the lander is inside a cone that stands on the landing point.  This is
-required of the motion whose end is put right, which is the motion itself once the end is right: then its
-multipliers are orthogonal to those of the end, and the largest gain from thrust to position is that of a beam
-clamped at both ends, time^2 / 4.730^2.  Near its ends a beam gives way to nothing: at the share x of the time
-a row has a length that goes with (x (1 - x))^1.5, a hundredth of that in the middle where the last controls
-end.  Each row is made as long as that in the middle, so that multipliers near the landing point move as fast
-as the others: the largest gain of all of them together grows by no more than 1.4, as rows far from each other
-have little to do with each other.
+Glide slope: where each control ends, the lander is inside a cone with its apex at the landing point. The
+constraint is applied to the motion with a corrected end, which is the motion itself once the end is met: its
+multipliers are then orthogonal to those of the end, and the largest gain from thrust to position is that of a
+beam clamped at both ends, time^2 / 4.730^2. Near its ends such a beam hardly moves: at the share x of the
+time the row of the constraint has a length proportional to (x (1 - x))^1.5, at the last controls a hundredth
+of that in the middle. All rows are scaled to the length of the middle one, so that multipliers near the
+landing point converge as fast as the others; the largest gain of all rows together grows by no more than 1.4,
+as distant rows are nearly independent.
 
 Sources: Yu, Elango, Acikmese 2021, "Proportional-integral projected gradient method for model predictive
 control", IEEE Control Systems Letters 5(6); Yu, Elango, Topcu, Acikmese 2022, "Proportional-integral
@@ -35,17 +35,18 @@ from edl6dof.spatial.vector import clamp, norm, put3, take3
 
 #: Square of the first root of cos x cosh x = 1.
 CLAMPED = 4.730041**2
-#: A multiplier that has died away: where the slope does not bind, it shrinks to seven tenths in each
-#: iteration, and is handed on from plan to plan.  It would end among the subnormal numbers, in which a
-#: processor calculates many times more slowly.
+#: Multipliers up to this size are set to zero: where the slope is inactive they shrink to seven tenths in
+#: each iteration, from plan to plan, and would become subnormal numbers, with which a processor is many times
+#: slower.
 NOTHING = 1e-100
-#: By how much the largest gain grows with rows of one length; largest over grids with a start of their own.
+#: Growth of the largest gain by rows of equal length; the largest over grids with different starts at full
+#: thrust.
 GROWN = 1.4
 
 
 @kernel
 def lay_rows(plan):
-    """Write the factors that make the rows of the glide slope of one length, and their gain at most 1."""
+    """Write the factors that give the rows of the glide slope equal length and a gain of at most 1."""
     common = CLAMPED / (GROWN * plan.time * plan.time) * sqrt(plan.time / CONTROLS)
     at = 0.0
     for k in range(CONTROLS - 1):
@@ -57,7 +58,9 @@ def lay_rows(plan):
 
 @kernel
 def add_push(landing, flat, plan):
-    """Add the pull of the multipliers of the glide slope to the primer at each control."""
+    """Compute the contribution of the glide-slope multipliers to the primer at each control; ``flat``: first
+    basis function of the end.
+    """
     if landing.slope < 0.0:
         return
     push, glide, row = plan.push, plan.glide, plan.row
@@ -79,15 +82,15 @@ def add_push(landing, flat, plan):
 
 @kernel
 def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
-    """Move the multipliers of the glide slope by where the extrapolated thrust 2 w - u flies; returns the
-    square of their change, extrapolation left out.
+    """Update the glide-slope multipliers by the motion under the extrapolated thrust 2 w - u; returns the
+    square of their change before extrapolation.
 
     Args:
         landing, plan: ``LANDING`` and ``PLAN`` records.
         flat: first basis function of the end.
         first, second: miss of the end in the two basis functions.
         sigma: dual step.
-        extrapolation: of the multipliers.
+        extrapolation: factor on the change of the multipliers.
     """
     changed = 0.0
     if landing.slope < 0.0:
@@ -123,13 +126,13 @@ def follow_slope(landing, flat, first, second, sigma, extrapolation, plan):
 
 @kernel
 def alive(multiplier):
-    """A multiplier, and nothing in the place of one that has died away."""
+    """Return a multiplier, or 0 for one of negligible size."""
     return multiplier if abs(multiplier) > NOTHING else 0.0
 
 
 @kernel
 def outside(point, slope):
-    """From the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point`` (x, y, z)."""
+    """Vector from the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point`` (x, y, z)."""
     x, y, z = point
     side = sqrt(x * x + y * y)
     if z >= slope * side:
@@ -150,9 +153,9 @@ def nearest_thrust(start, price, low, high, cos_tilt):
 
     Args:
         start: east, north, up, m/s2.
-        price: of a unit of thrust acceleration, not negative.
-        low, high: bounds of the thrust acceleration; equal where it is given.
-        cos_tilt: of the largest angle of thrust from the vertical.
+        price: cost of a unit of thrust acceleration, not negative.
+        low, high: bounds of the thrust acceleration, m/s2; equal at full thrust.
+        cos_tilt: cosine of the largest angle of thrust from the vertical.
     """
     x, y, z = start
     size = norm(start)
@@ -179,18 +182,20 @@ def nearest_thrust(start, price, low, high, cos_tilt):
 
 #: Primal step over the largest thrust acceleration, and extrapolation of each iteration.
 STEP, EXTRAPOLATION = 0.1, 1.7
-#: Iterations from one look at the mass and at convergence to the next.
+#: Iterations from one update of the mass and test of convergence to the next.
 BATCH = 10
 #: Largest primer; that of a landing that can be flown is of the order of 1.
 LARGEST_PRIMER = 20.0
-#: Converged when the multipliers ask of all thrust less than this to put the end and the glide slope right
-#: (m/s2), and the primer changes by less than this.
+#: Converged when the change of the multipliers corresponds to less than this thrust acceleration (m/s2), and
+#: the primer changes by less than this.
 THRUST_TOLERANCE, PRIMER_TOLERANCE = 1e-4, 5e-4
 
 
 @kernel
 def weigh(landing, plan):
-    """Mass in the middle of each control as the thrust ``w`` leaves it, and the velocity spent (m/s)."""
+    """Compute the mass in the middle of each control under the thrust ``w``; returns the velocity spent
+    (m/s).
+    """
     mass, spent, count = landing.mass, 0.0, full_controls(plan)
     for k in range(CONTROLS):
         size = sqrt(plan.w[k, 0] ** 2 + plan.w[k, 1] ** 2 + plan.w[k, 2] ** 2)
@@ -206,8 +211,8 @@ def weigh(landing, plan):
 
 @kernel
 def solve(landing, most, plan):
-    """Least fuel for the times of flight and at full thrust in ``plan`` (``PLAN``), whose ``u`` and
-    multipliers are the first guess and then the answer, in at most ``most`` iterations.
+    """Find the least fuel for the times of flight and at full thrust in ``plan`` (``PLAN``), in at most
+    ``most`` iterations; its ``u`` and multipliers are the first guess and then the solution.
     """
     mean, norm = lay_grid(plan)
     lay_rows(plan)
@@ -221,7 +226,7 @@ def solve(landing, most, plan):
     plan.mass[:] = 0.0
     weigh(landing, plan)
 
-    # what the sums have to be, and their multipliers
+    # required values of the sums, and their multipliers
     gx, gy, gz = take3(landing.velocity, 0)
     rx, ry, rz = take3(landing.position, 0)
     gz -= landing.gravity * time
@@ -298,7 +303,7 @@ def solve(landing, most, plan):
 
 @kernel
 def evaluate(landing, plan):
-    """Evaluate the thrust ``w`` of a plan: fuel, cost, and the errors at its end."""
+    """Compute fuel, cost, and errors at the end of a plan with the thrust ``w``."""
     spent = weigh(landing, plan)
     (x, y, z), (vx, vy, vz) = fly_plan(landing, plan, plan.time)
     plan.miss = sqrt(x * x + y * y)

@@ -1,7 +1,7 @@
 """Covariance of the error state: initial values, process noise, and the standard deviations reported.
 
-Process noise allows for random walks of the instruments, their wandering biases, ground that rises and falls,
-and motion that no instrument measured.
+Process noise models random walks of the instruments and of their biases, the relief of the ground, and motion
+that no instrument measured.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from edl6dof.spatial.vector import cross, dot, inertia_solve, norm, scale, sub, 
 
 #: Variance about one axis (rad2) of an unknown attitude.
 ANYHOW = pi * pi / 3.0
-#: Height (m) below which the beams meet the same ground.
+#: Least height (m) in the change of the slope: below it the beams meet the same ground.
 LOWEST = 5.0
 
 
@@ -50,7 +50,9 @@ def in_use(healthy, count):
 
 @kernel
 def axes_covariance(axis, bits, count, out):
-    """Write the inverse of H'H of the instruments in ``bits`` into ``out``, unless they do not span space."""
+    """Write the inverse of H'H (H: their axes) of the instruments in ``bits`` into ``out``, unless the axes
+    do not span space.
+    """
     xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         if bits >> k & 1:
@@ -67,7 +69,7 @@ def axes_covariance(axis, bits, count, out):
 
 @kernel
 def add_block(covariance, at, variance, spread):
-    """Add ``variance`` times a 3 x 3 matrix to a diagonal block."""
+    """Add ``variance`` times the matrix ``spread`` to the diagonal 3 x 3 block at index ``at``."""
     for i in range(3):
         for j in range(3):
             covariance[at + i, at + j] += variance * spread[i, j]
@@ -75,7 +77,9 @@ def add_block(covariance, at, variance, spread):
 
 @kernel
 def add_rotated_block(covariance, at, variance, spread, q):
-    """Add ``variance`` times a 3 x 3 matrix, given in B, to a diagonal block in I."""
+    """Add ``variance`` times the matrix ``spread`` (B) to the diagonal 3 x 3 block in I at index ``at``;
+    ``q``: ``q_I2B``.
+    """
     x, y, z = axes(q)
     for i in range(3):
         half = (
@@ -92,7 +96,9 @@ def add_rotated_block(covariance, at, variance, spread, q):
 
 @kernel
 def follow_exclusions(instruments, health, memory):
-    """Add the bias variance of the remaining instruments when some drop out: their means are others."""
+    """Add the bias variance of the remaining instruments when some are excluded, as the mean of their biases
+    differs.
+    """
     gyros = in_use(health.gyro, instruments.n_gyros)
     if gyros != memory.gyros_in_use:
         memory.gyros_in_use = gyros
@@ -108,9 +114,10 @@ def follow_exclusions(instruments, health, memory):
 
 @kernel
 def add_process_noise(params, instruments, v_rel_I, up, height, q, memory):
-    """Add the process noise of ``memory.interval`` to the covariance; ``height``: m above the ground.
+    """Add the process noise of ``memory.interval`` to the covariance; ``up``: unit vector (I), ``height``:
+    above the ground (m).
 
-    The slope is that of the ground between the beams, which changes as they move or converge.
+    The slope is that of the ground between the beams, which changes as the vehicle moves or descends.
     """
     covariance, interval = memory.covariance, memory.interval
     gyro, accelerometer, dt = memory.gyro_spread, memory.accelerometer_spread, interval.dt
@@ -134,7 +141,7 @@ def add_process_noise(params, instruments, v_rel_I, up, height, q, memory):
 
 @kernel
 def fill_considered(instruments, gyro_spread, accelerometer_spread, considered):
-    """Write the variances of the errors that the readings share."""
+    """Write the variances of the considered errors, which the readings share."""
     for k in range(9):
         i = k % 3
         considered[GYRO_SCALE + k] = instruments.gyro_scale**2 * gyro_spread[i, i]
@@ -149,16 +156,16 @@ def fill_considered(instruments, gyro_spread, accelerometer_spread, considered):
 
 @kernel
 def reopen_slope(params, covariance):
-    """Raise the variance of the slope to that of any ground."""
+    """Raise the variance of the slope to its initial value."""
     for i in range(SLOPE, SLOPE + 2):
         covariance[i, i] = max(covariance[i, i], tan(params.slope_sigma) ** 2)
 
 
 @kernel
 def start_covariance(params, instruments, solution, memory):
-    """Fill ``memory`` for a solution that ground tracking and the star tracker have just started.
+    """Initialise ``memory`` for a solution that ground tracking and the star tracker have just started.
 
-    The attitude has the error of the fix: its noise, and the bias that all later fixes share.
+    The attitude error is that of the star fix: noise, and the bias of all later fixes.
     """
     covariance = memory.covariance
     for i in range(STATES):
@@ -188,7 +195,7 @@ def start_covariance(params, instruments, solution, memory):
 
 @kernel
 def _begin_biases(instruments, memory):
-    """Start with all instruments in use and the biases of their data sheets."""
+    """Initialise with all instruments in use and the biases of their data sheets."""
     healthy = (1 << instruments.n_gyros) - 1
     memory.gyros_in_use = healthy
     axes_covariance(instruments.gyro_axis, healthy, instruments.n_gyros, memory.gyro_spread)
@@ -202,7 +209,7 @@ def _begin_biases(instruments, memory):
 
 @kernel
 def deviation(covariance, at, a):
-    """Standard deviation of the component along ``a`` of the three states from ``at``."""
+    """Standard deviation of the component along ``a`` of the three errors from index ``at``."""
     total = 0.0
     for i in range(3):
         for j in range(3):
@@ -212,8 +219,8 @@ def deviation(covariance, at, a):
 
 @kernel
 def relative_deviation(covariance, spin, a):
-    """Standard deviation along ``a`` of the planet-relative velocity, in which a position error adds ``spin``
-    (rad/s) times its size: dv - W x dr.
+    """Standard deviation (m/s) along ``a`` of the planet-relative velocity, with error dv - W x dr for the
+    planet rotation W = ``spin`` (rad/s).
     """
     b = (-spin * a[1], spin * a[0], 0.0)
     total = 0.0
@@ -227,7 +234,7 @@ def relative_deviation(covariance, spin, a):
 
 @kernel
 def report_covariance(planet, covariance, solution):
-    """Fill the standard deviations of the solution."""
+    """Write the standard deviations of the solution."""
     r_I, spin = take3(solution.r_I, 0), planet.rotation_rate
     north, east, up, _ = level_axes(planet, r_I, solution.t)
     for i, axis in enumerate((north, east, up)):

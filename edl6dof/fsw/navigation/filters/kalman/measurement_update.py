@@ -2,14 +2,14 @@
 tests of readings; and the update by the star tracker, three scalars.
 
 Arrays: ``covariance`` of n states against m >= n states and considered errors; ``considered`` the variances
-of the latter, from place n on; ``row`` the sensitivity of the reading to both; ``product`` = row times
-covariance.
+of the considered errors, from index n on; ``row`` the sensitivity of the reading to both; ``product`` = row
+times covariance.
 
-Readings that are used one after the other may meet a wrong one first, which makes the others look wrong.
-Before any is used, all are therefore tested together: with innovations n and their covariance S, leaving out
-reading i lets n'S^-1 n fall by (S^-1 n)_i^2 / (S^-1)_ii, the square of a standard normal number as long as
-reading i is correct (data snooping).  When most readings are refused again and again, the solution is wrong
-and not the readings.
+If readings are used one after the other and a wrong one comes first, the others seem wrong. All readings are
+therefore tested together before use: with innovations n and their covariance S, leaving out reading i lets
+n'S^-1 n fall by (S^-1 n)_i^2 / (S^-1)_ii, the square of a standard normal number as long as reading i is
+correct (data snooping). When most readings are refused repeatedly, the solution counts as wrong instead of
+the readings.
 
 Sources: P. D. Joseph's form for a scalar, in Bierman, Factorization Methods for Discrete Sequential
 Estimation (1977), chapter V; with consider states (gain zero) Woodbury and Junkins, AIAA 2010-7752; W.
@@ -43,13 +43,13 @@ from edl6dof.spatial.vector import dot, put3, put4, scale, take3, take4, unit
 
 @kernel
 def weighted_noise(innovation, variance, noise, gate, huber):
-    """Noise variance to use for a reading, or -1 where it lies beyond the gate.
+    """Noise variance with which to use a reading, or -1 if it is beyond the gate.
 
     Args:
         innovation: reading less expected reading.
-        variance, noise: variance of that difference, noise included; noise variance of the reading.
-        gate: standard deviations beyond which it is refused.
-        huber: those beyond which its noise is enlarged, so that it lies there.
+        variance, noise: variance of the innovation, noise included; noise variance of the reading.
+        gate: standard deviations beyond which the reading is refused.
+        huber: standard deviations beyond which its noise is enlarged.
     """
     deviation = abs(innovation) / sqrt(variance)
     if deviation > gate:
@@ -73,7 +73,9 @@ def median(values, count, ordered):
 
 @kernel
 def refused_again(count, refused, usable):
-    """Count of looks in a row in which more than half of the ``usable`` readings were ``refused``."""
+    """Update the count of looks in a row in which more than half of the ``usable`` readings were
+    ``refused``.
+    """
     if usable == 0:
         return count
     return count + 1 if 2 * refused > usable else 0
@@ -90,7 +92,7 @@ def outlier(gate, count, spread, innovation):
     Args:
         gate: standard deviations beyond which a reading is an outlier.
         count: number of readings.
-        spread: covariance S of the innovations, positive definite; its inverse is left in it.
+        spread: covariance S of the innovations, positive definite; overwritten by its inverse.
         innovation: each reading less its expected value.
     """
     invert(count, spread)
@@ -123,7 +125,7 @@ def invert(count, a):
 
 @kernel
 def predicted_variance(covariance, considered, row, product):
-    """Variance of the expected reading, without its own noise; writes ``product``."""
+    """Variance of the expected reading without noise; writes ``product``."""
     n, m = covariance.shape
     for j in range(m):
         product[j] = 0.0
@@ -144,7 +146,7 @@ def predicted_variance(covariance, considered, row, product):
 
 @kernel
 def explained_by(row, correction):
-    """Part of an innovation that the correction found so far explains."""
+    """Part of an innovation that the present ``correction`` explains."""
     explained = 0.0
     for i in range(correction.shape[0]):
         explained += row[i] * correction[i]
@@ -153,15 +155,17 @@ def explained_by(row, correction):
 
 @kernel
 def optimal_gain(memory, variance):
-    """Write the gain of least variance for a reading of ``variance``, noise included, into ``memory``."""
+    """Write the gain of least variance for a reading into ``memory``; ``variance``: of the innovation, noise
+    included.
+    """
     for i in range(memory.gain.shape[0]):
         memory.gain[i] = memory.product[i] / variance
 
 
 @kernel
 def apply_gain(memory, variance, innovation):
-    """Update covariance and correction with a reading of the ``innovation`` and its ``variance``, noise
-    included, by any ``gain``; the covariance stays symmetric to the last bit.
+    """Update covariance and correction by a reading with ``memory.gain``, which need not be optimal;
+    ``variance``: of the ``innovation``, noise included. The covariance stays symmetric to the last bit.
     """
     covariance, product, gain = memory.covariance, memory.product, memory.gain
     n, m = covariance.shape
@@ -185,17 +189,18 @@ def clear_row(row):
 def hold_horizontal(up, gain):
     """Restrict the position update to the direction ``up``.
 
-    Radar and stars observe the horizontal position through the direction of the vertical alone: a few
+    Radar and stars observe the horizontal position only through the direction of the vertical: a few
     micrometres per second squared for a hundred metres, less than the effect of misaligned beams, slopes and
-    the gravity of mountains.  It is therefore considered, with its correlations, and not estimated.
+    the gravity of mountains. The horizontal position is therefore considered, with its correlations, and not
+    estimated.
     """
     put3(gain, POSITION, scale(dot(up, take3(gain, POSITION)), up))
 
 
 @kernel
 def update_by_reading(params, noise, innovation, up, trusted, row, memory):
-    """Update with a reading of sensitivity ``row``, if it passes the gate and is ``trusted``.  Returns its
-    innovation over its standard deviation, and whether it passes the gate.
+    """Update with a reading of sensitivity ``row``, if it passes the gate and is ``trusted``. Returns its
+    normalised innovation, and whether it passes the gate.
     """
     own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
     rest = innovation - explained_by(row, memory.correction)
@@ -210,7 +215,7 @@ def update_by_reading(params, noise, innovation, up, trusted, row, memory):
 
 @kernel
 def apply_correction(memory, solution):
-    """Move the estimated error from the filter into the solution."""
+    """Add the estimated errors to the solution, and reset them."""
     found = memory.correction
     half = scale(0.5, take3(found, ATTITUDE_ERROR))
     q = take4(solution.q_I2B)

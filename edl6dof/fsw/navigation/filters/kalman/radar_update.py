@@ -1,12 +1,12 @@
 """Radar update of the filter: the speed and the range of each beam, one scalar after the other.
 
-The speeds come first: no ground explains a wrong one, so the beam looks at something else, and its range is
-not used.  A speed is that of the antenna along the beam, u . (v_rel + w x l).  A range is measured along the
-beam to a plane, as high as the elevation of the site and the terrain state give, with the slope of the slope
-state.  Excluded readings are still compared with their expected values, so that they can be used again.
+The speeds come first: no terrain explains a wrong speed, so the range of a beam with a wrong speed is not
+used. A speed is that of the antenna along the beam, u . (v_rel + w x l). A range is measured along the beam
+to a plane, whose height is the elevation of the site plus the terrain state, and whose slope is the slope
+state. Excluded readings are still compared with their expected values, so that they can be used again.
 
-``memory.rows``, ``innovation`` and ``noise`` (variance) hold the sensitivity of each reading, its difference
-from the expected value, and its noise; ``present`` has a bit for each beam of which they do.
+``memory.rows``, ``innovation`` and ``noise`` (variance) are the sensitivity of each reading, its difference
+from the expected value, and its noise; ``present`` has a bit for each beam with a reading.
 
 Sources: Farrell, Aided Navigation (2008), chapter 12; Busnardo, Aitken, Tolson, Pierrottet and Amzajerdian,
 "LIDAR-aided inertial navigation with extended Kalman filtering for pinpoint landing", AIAA 2011-6428.
@@ -51,9 +51,9 @@ from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
 @kernel
 def find_outlier(gate, n_beams, present, healthy, memory):
-    """Trusted reading that agrees least with the others and the solution, or ``NONE``.
+    """Index of the trusted reading that agrees least with the others and the solution, or ``NONE``.
 
-    A missing reading is uncorrelated in the covariance, with a zero innovation.
+    A missing reading enters with zero innovation and without correlations.
     """
     spread, rest = memory.spread, memory.rest
     for i in range(n_beams):
@@ -76,12 +76,12 @@ def find_outlier(gate, n_beams, present, healthy, memory):
 
 @kernel
 def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
-    """Update with the readings that are trusted (``healthy``: flags) and agree; writes the innovation of each
-    over its standard deviation into ``deviations``.
+    """Update with the readings that are trusted (``healthy``: flags) and agree; writes the normalised
+    innovation of each trusted one into ``deviations``.
 
     Returns:
-        bits of the beams that were used, and of those refused; how many trusted readings there were, how many
-        of them were refused, and the least square of their innovations.
+        bits of the beams used; bits of the beams refused; number of trusted readings; number of trusted
+        readings refused, and their least squared innovation.
     """
     left_out = find_outlier(params.gate, n_beams, present, healthy, memory)
     used, refused, tried, against, least = 0, 0, 0, 0, 0.0
@@ -110,7 +110,9 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
 
 @kernel
 def speed_row(u, spin, velocity, speed, beam, row):
-    """Write the sensitivity of the speed of a ``beam`` along ``u``; ``velocity``: planet-relative, m/s."""
+    """Write the sensitivity ``row`` of the ``speed`` (m/s) of a ``beam`` along ``u`` (I); ``velocity``:
+    planet-relative, m/s, I.
+    """
     clear_row(row)
     put3(row, POSITION, (-spin * u[1], spin * u[0], 0.0))
     put3(row, VELOCITY, u)
@@ -135,14 +137,14 @@ def expect_speeds(onboard, radar, antenna, memory):
 
 @kernel
 def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
-    """Update with the speeds along the beams; returns bits of those used, and of those refused."""
+    """Update with the speeds along the beams; returns bits of the beams used, and of those refused."""
     n_beams = onboard.instruments.n_beams
     expect_speeds(onboard, radar, antenna, memory)
     locked, up, deviations = locked_beams(radar, n_beams), antenna[4], solution.speed_innovation
     used, refused, tried, against, least = update_by_beams(
         params, n_beams, locked, health.beam_speed, up, memory=memory, deviations=deviations
     )
-    if tried > 1:  # a beam alone may be wrong itself
+    if tried > 1:  # a single beam may be wrong itself
         memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)
     if memory.speeds_refused >= params.patience:
         for i in range(VELOCITY, VELOCITY + 3):
@@ -151,14 +153,14 @@ def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
     return used, refused
 
 
-#: Number of ranges that some plane always fits: its height and two slopes.
+#: Number of ranges that a plane always fits, as it has a height and two slopes.
 PLANE = 3
 
 
 @kernel
 def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
-    """Write the sensitivity of the range of a ``beam`` along ``u`` to the errors; ``reach``: expected range.
-    At a horizontal distance the vertical differs, too.
+    """Write the sensitivity ``row`` of the range of a ``beam`` along ``u`` (I) to the errors; ``reach``:
+    expected range, m.
     """
     clear_row(row)
     spot = add(lever, scale(reach, u))
@@ -174,7 +176,9 @@ def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
 
 @kernel
 def range_noise(params, instruments, reach, steepness, off):
-    """Noise variance of a range: of the instrument, and of uneven ground from below to the spot."""
+    """Noise variance (m2) of a range: of the instrument, and of the relief over the horizontal distance
+    ``off`` (m) to the spot.
+    """
     own = instruments.range_sigma + instruments.range_sigma_relative * reach
     return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
 
@@ -182,7 +186,7 @@ def range_noise(params, instruments, reach, steepness, off):
 @kernel
 def expect_ranges(params, onboard, radar, antenna, normal, memory):
     """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory``. Returns bits of the beams with an
-    echo that are not too flat, and of those whose spot lies farther off the plane than uneven ground does.
+    echo that are steep enough, and of those whose spot is farther off the plane than relief explains.
     """
     q, lever, _, _, up, height = antenna
     height -= dot(lever, sub(up, normal))
@@ -205,11 +209,11 @@ def expect_ranges(params, onboard, radar, antenna, normal, memory):
 @kernel
 def update_by_ranges(params, onboard, health, radar, speeds, antenna, solution, memory):
     """Update with the ranges of the beams whose speed was used (bits ``speeds``). Returns bits of the beams
-    used, and of the one whose range no ground explains.
+    used, and of the beams with ranges that no terrain explains.
 
-    Several refused ranges at once are not wrong, nor is one of three, since a plane fits any three ranges:
-    the variance of the slope is raised, and that of the height, too, unless three have agreed before and most
-    do now.
+    Several refused ranges at once do not count as wrong, nor does one of three, since a plane fits any three
+    ranges: if this persists, the variance of the slope is raised; that of the height too, unless three ranges
+    have agreed before and most agree now.
     """
     n_beams, up, deviations = onboard.instruments.n_beams, antenna[4], solution.range_innovation
     normal = ground_normal(up, solution.slope)

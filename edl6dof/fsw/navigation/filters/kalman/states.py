@@ -5,10 +5,10 @@ C from B to I, psi in I. The covariance is one array of the states against the s
 errors: constants of the instruments, which all readings share; the filter allows for them but does not
 estimate them.
 
-Propagated are position, velocity, gravity gradient, the specific force turned by a wrong attitude, biases,
-scale and misalignment of the instruments. Over an interval the specific force and the attitude enter through
-their integrals alone, which are summed in every base cycle, so that the covariance may be propagated at a low
-rate.
+The propagation includes the gravity gradient, the specific force rotated by the attitude error, and biases,
+scale factors and misalignments of the instruments. Specific force and attitude enter only through their
+integrals over an interval, which are summed in every base cycle, so that the covariance may be propagated at
+a low rate.
 
 Source: S. F. Schmidt, "Application of state-space methods to navigation problems", Advances in Control
 Systems 3 (1966); Farrell, Aided Navigation (2008), chapter 11; propagation: Titterton and Weston, Strapdown
@@ -25,27 +25,28 @@ from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.quaternion import axes, from_frame
 from edl6dof.spatial.vector import add, cross, dot, put3, scale, take3, take4
 
-#: First place of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m, and the rise of the
+#: First index of each part of the error state: m, m/s, rad (all I), rad/s, m/s2 (B), m, and the rise of the
 #: ground per metre towards north and east.
 POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN, SLOPE = 0, 3, 6, 9, 12, 15, 16
 STATES = 18
-#: First place of the considered errors.  Scale and misalignment: what a rate of one about each axis of B in
-#: turn adds to the measured one, B; the same for the specific force.  Bias of the star tracker (rad, B).
-#: Scale of the range of each beam, and of its speed; bias of its range (m).
+#: First index of the considered errors.  Scale and misalignment of gyros: error of the measured rate (B) for
+#: a unit rate about each axis of B in turn; of accelerometers: for a unit specific force.  Bias of the star
+#: tracker (rad, B). Scale of the range of each beam, and of its speed; bias of its range (m).
 GYRO_SCALE, ACCELEROMETER_SCALE = STATES, STATES + 9
 STAR_BIAS, RANGE_SCALE = STATES + 18, STATES + 21
 SPEED_SCALE, RANGE_BIAS = RANGE_SCALE + MAX_BEAMS, RANGE_SCALE + 2 * MAX_BEAMS
 WIDTH = RANGE_BIAS + MAX_BEAMS
-#: Number of states that change within an interval, and of errors that may act on them: the first of each.
+#: Number of states that change within an interval, and of errors that act on them; both are the first
+#: indices.
 MOVING, ACTING = 9, STAR_BIAS
 
 #: Integrals since the last propagation of the covariance.
 INTERVAL = record(
     ("dt", "f8"),  # s
     ("gain", "f8", (3,)),  # m/s, I: integral of the specific force
-    ("path", "f8", (3,)),  # m, I: integral of that
+    ("path", "f8", (3,)),  # m, I: integral of gain
     ("frame", "f8", (3, 3)),  # s: integral of the matrix from B to I
-    # of that matrix times the rate about each axis of B in turn (rad), and times the force (m/s)
+    # integrals of this matrix times rate (rad), and times force (m/s), about each axis of B in turn
     ("turned", "f8", (3, 3, 3)),
     ("pushed", "f8", (3, 3, 3)),
     ("unknown_turn", "f8"),  # rad2: variance about each axis of a rotation that no gyro measured
@@ -54,18 +55,18 @@ INTERVAL = record(
 
 ERROR_STATE = record(
     ("covariance", "f8", (STATES, WIDTH)),
-    ("considered", "f8", (WIDTH,)),  # variances, from place STATES on
-    ("correction", "f8", (STATES,)),  # estimated error, not yet taken out of the solution
+    ("considered", "f8", (WIDTH,)),  # variances, from index STATES on
+    ("correction", "f8", (STATES,)),  # estimated error, not yet added to the solution
     ("interval", INTERVAL),
     # inverse of H'H of the instruments in use, B: variance of three axes over that of one instrument
     ("gyro_spread", "f8", (3, 3)),
     ("accelerometer_spread", "f8", (3, 3)),
     ("gyros_in_use", whole(0, 2**MAX_GYROS - 1)),  # a bit for each
     ("accelerometers_in_use", whole(0, 2**MAX_ACCELEROMETERS - 1)),
-    ("unknown_rate_time", "f8"),  # s: how long the rate has not been known
-    ("unknown_force_time", "f8"),  # s
+    ("unknown_rate_time", "f8"),  # s: for how long the rate has been unknown
+    ("unknown_force_time", "f8"),  # s: for how long the force has been unknown
     ("stars_t", "f8"),  # s: flight time of the last star fix used
-    ("radar_t", "f8"),  # s: and of the last look at the radar
+    ("radar_t", "f8"),  # s: flight time of the last use of the radar
     # looks in a row in which most ranges, most speeds, or the star fix were refused
     ("ranges_refused", COUNT),
     ("plane_seen", FLAG),  # whether three ranges have agreed
@@ -126,7 +127,7 @@ def begin_interval(interval):
 
 @kernel
 def _turned(transition, to, of, v, factor):
-    """Write factor [v x] into the block (to, of)."""
+    """Write factor [v x] into the block at row ``to`` and column ``of``."""
     x, y, z = factor * v[0], factor * v[1], factor * v[2]
     transition[to, of + 1], transition[to, of + 2] = -z, y
     transition[to + 1, of], transition[to + 1, of + 2] = z, -x
@@ -136,7 +137,7 @@ def _turned(transition, to, of, v, factor):
 @kernel
 def fill_transition(mu, r_I, interval, transition):
     """Write the rows of the changing states of the transition matrix of an ``interval``, to second order in
-    its length, with the mean of attitude and force over it where they meet each other.
+    its length; products of attitude and force use their means over it.
     """
     dt, gain, path, frame = interval.dt, take3(interval.gain, 0), take3(interval.path, 0), interval.frame
     for i in range(MOVING):
@@ -165,7 +166,7 @@ def fill_transition(mu, r_I, interval, transition):
 
 @kernel
 def _act_on_attitude(turned, gain, path, of, transition):
-    """Write the effect of a rotation error, minus ``turned`` times three errors from place ``of``."""
+    """Write the effect of the attitude error minus ``turned`` times the three errors from index ``of``."""
     for j in range(3):
         column = (turned[0, j], turned[1, j], turned[2, j])
         _put_column(transition, ATTITUDE_ERROR, of + j, scale(-1.0, column))
@@ -175,7 +176,7 @@ def _act_on_attitude(turned, gain, path, of, transition):
 
 @kernel
 def _act_on_velocity(pushed, dt, of, transition):
-    """Write the effect of a velocity error, minus ``pushed`` times three errors from place ``of``."""
+    """Write the effect of the velocity error minus ``pushed`` times the three errors from index ``of``."""
     for i in range(3):
         for j in range(3):
             transition[VELOCITY + i, of + j] = -pushed[i, j]
@@ -190,7 +191,9 @@ def _put_column(a, row, column, v):
 
 @kernel
 def move_covariance(transition, considered, moved, covariance):
-    """Propagate the covariance, F P F', in which only the rows of the changing states differ from P."""
+    """Propagate the covariance P to F P F', which changes only the rows and columns of the changing
+    states.
+    """
     for i in range(MOVING):
         for k in range(WIDTH):
             moved[i, k] = 0.0
@@ -219,7 +222,9 @@ def move_covariance(transition, considered, moved, covariance):
 
 @kernel
 def follow_slope(north, east, solution, covariance):
-    """Move the height of the ground, and its covariance, to a point ``north`` and ``east`` of it (m)."""
+    """Move the reference point of the ground height by ``north`` and ``east`` (m): correct height and
+    covariance by the slope.
+    """
     solution.terrain += solution.slope[0] * north + solution.slope[1] * east
     for j in range(WIDTH):
         covariance[TERRAIN, j] += north * covariance[SLOPE, j] + east * covariance[SLOPE + 1, j]
