@@ -60,7 +60,7 @@ Quantity = Literal[
 class Condition(Params):
     """A condition on one navigated quantity."""
 
-    quantity: Quantity = param(REQUIRED, "navigated quantity of the condition")
+    quantity: Quantity = param(REQUIRED, "navigated quantity that is watched")
     crosses: Literal["below", "above"] = param(
         REQUIRED, "side of the value on which the condition is true; no crossing is needed"
     )
