@@ -64,6 +64,8 @@ def test_constant_shear_none():
     # NESC check case 8: wind of 0.003 h - 20 ft/s.
     shear = build(model="shear", shear={"east_m_s": -20 * foot, "east_shear": 0.003})
     assert wind(shear, table, 30000 * foot)[0] == pytest.approx(70 * foot, rel=1e-12)
+    both = build(model="shear", shear={"north_m_s": 4.0, "north_shear": -0.002, "east_shear": 0.001})
+    assert wind(both, table, 5000.0)[:2] == pytest.approx((5.0, -6.0), rel=1e-12)
     assert wind(build(model="none"), table, 5e3) == (0.0, 0.0, 0.0)
 
 
