@@ -159,7 +159,8 @@ def text() -> str:
         "Each picture shows a simulated flight, with the commands that made it. `python tools/gallery.py`",
     ]
     parts[-1] += " makes all of them again.\n"
-    parts[-1] += "`report RUN --png` writes the figures of a report to the folder `report` of the run.\n"
+    parts[-1] += "`edl6dof report RUN --png` writes the figures of a report"
+    parts[-1] += " to the folder `report` in the run folder `RUN`.\n"
     for picture in PICTURES:
         commands = [*(FLIGHTS[run] for run in picture.flights), picture.command]
         lines = "\n".join(f"edl6dof {command}" for command in commands)

@@ -81,7 +81,10 @@ class Pairs:
         return self.even.std(axis=0, ddof=1) / np.sqrt(len(self.even))
 
     def spread(self, directions: np.ndarray) -> Spread:
-        """Spread of combinations of figures, weighted by ``directions``, shape (figures, quantities)."""
+        """Mean and standard deviations of linear combinations of the figures.
+
+        Each column of ``directions``, shape (figures, combinations), holds the weights of one combination.
+        """
         odd, even = self.odd @ directions, self.even @ directions
         pairs, mean = len(odd), even.mean(axis=0)
         signed, rest = np.mean(odd**2, axis=0), even.var(axis=0, ddof=1)

@@ -139,6 +139,13 @@ def test_next_reversal_stays_where_it_was_foreseen_and_where_it_still_does_somet
     memory["left"], memory["turn"], memory["later"] = 2, 1150.0, 630.0
     reverse_when_due(params, nav, memory, 660.0)
     assert memory["turn"] == 660.0
+    memory["left"], memory["turn"], memory["later"] = (
+        3,
+        1150.0,
+        990.0,
+    )  # later: in proportion
+    reverse_when_due(params, nav, memory, 660.0)
+    assert (memory["turn"], memory["later"]) == (990.0, params["spacing"] * 990.0)
     memory["left"], memory["turn"], memory["later"] = 1, 1150.0, 0.0
     reverse_when_due(params, nav, memory, 660.0)
     assert memory["turn"] == 0.0

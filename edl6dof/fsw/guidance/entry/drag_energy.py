@@ -120,10 +120,10 @@ def refit(reference, energy, wanted, limit, memory):
 
 @kernel
 def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
-    """Drag to follow and its first and second time derivative (m/s2, m/s3, m/s4), given drag and drag rate;
-    updates included.  ``p``: ``PolynomialParams`` of the law, ``memory``: its ``PROFILE``.
+    """Return the drag to follow and its first and second time derivative (m/s2, m/s3, m/s4) along the actual
+    flight, with dE/dt = -V D; refit the profile in ``memory`` (``PROFILE``) first if an update is due.
 
-    By dE/dt = -V D the derivatives are those along the actual flight.
+    ``p``: ``PolynomialParams`` of the law; ``drag``, ``drag_rate``: measured values (m/s2, m/s3).
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.first * reference.first

@@ -47,7 +47,7 @@ def classify_by_limits(footprint, steepest, roughest, out):
 
 @kernel
 def classify(params, elevation_map, footprint, radius, deviation, out):
-    """Classify every cell of ``footprint`` (see the registry)."""
+    """Classify every cell of ``elevation_map``; arguments: :mod:`edl6dof.fsw.hazard.registry`."""
     classify_by_limits(footprint, tan(params.slope_limit), params.roughness_limit, out)
 
 

@@ -176,7 +176,7 @@ def classify_by_probability(
 
 @kernel
 def classify(params, elevation_map, footprint, radius, deviation, out):
-    """Classify every cell of ``footprint`` (see the registry)."""
+    """Classify every cell of ``elevation_map``; arguments: :mod:`edl6dof.fsw.hazard.registry`."""
     classify_by_probability(
         elevation_map, footprint, radius_m=radius, steepest=tan(params.slope_limit),
         roughest=params.roughness_limit, deviation=deviation, between=params.relief_between,

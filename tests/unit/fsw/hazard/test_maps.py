@@ -7,8 +7,11 @@ import pytest
 from as_flown import as_flown
 from charts import CELL_M, EAST, NORTH, chart_of, empty_chart, new, rocks, rocky
 from scipy import ndimage, special
+from scipy.spatial.transform import Rotation
 
 from edl6dof.config.dtype import dtype_of, fill
+from edl6dof.environment.planet import PLANET
+from edl6dof.fsw.hazard.detection import body_axes
 from edl6dof.fsw.hazard.detectors.lidar import classify_by_limits
 from edl6dof.fsw.hazard.detectors.lidar_probabilistic import classify_by_probability
 from edl6dof.fsw.hazard.elevation_map import (
@@ -27,6 +30,8 @@ from edl6dof.fsw.hazard.elevation_map import (
 from edl6dof.fsw.hazard.registry import HazardParams
 from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, ChoiceParams, choose_spot
 from edl6dof.fsw.hazard.site_selection import clearances as clearances_of
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.spatial.frames import LOCAL_FRAME, fill_local_frame
 
 #: Fills the clearance of a safety map from its classes.
 clearances = as_flown(clearances_of, "out, cell_m, work", "out.cell_class, cell_m, work, out.clearance")
@@ -45,6 +50,23 @@ def safety_map(footprint):
     out = new(SAFETY_MAP)
     classify_by_limits(footprint, STEEPEST, ROUGHEST, out)
     return out
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_axes_of_the_body_are_those_of_its_attitude_over_the_rotating_planet(seed):
+    """By scipy rotations: from B to I, about the pole to F, and to east, north and up of the site."""
+    rng = np.random.default_rng(seed)
+    lat, lon, t, rate = rng.uniform(-1.4, 1.4), rng.uniform(-3.0, 3.0), 480.0, 7.088e-5
+    frame, nav, planet = new(LOCAL_FRAME), new(NAV), new(PLANET)
+    fill_local_frame(frame, 3396190.0, 0.0, lat, lon, 0.0)
+    attitude = Rotation.random(random_state=seed)  # body to inertial
+    nav["q_I2B"], nav["t"], planet["rotation_rate"] = attitude.as_quat(scalar_first=True), t, rate
+    to_fixed = Rotation.from_euler("z", -rate * t)
+    east = np.array([-np.sin(lon), np.cos(lon), 0.0])
+    up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
+    to_site = np.array([east, np.cross(up, east), up])
+    for axis, found in zip(np.eye(3), body_axes(planet, frame, nav), strict=True):
+        assert found == pytest.approx(to_site @ (to_fixed * attitude).apply(axis), abs=1e-9)
 
 
 def test_points_make_mean_highest_and_weight_of_their_cell():
