@@ -116,7 +116,7 @@ def table(valves: str) -> Iterator[str]:
     times |= {begun(event["role"]): float(event["t_s"]) for event in nominal.events if "role" in event}
     cycle = 1.0 / loaded.scenario.flight_software.rates.base_hz
     steps = " | ".join(f"{1e3 * cycle * share:g} ms" for share in STEPS)
-    yield f"| part of the flight | from s | for s | {steps} |"
+    yield f"| part of the flight | start, s | length, s | {steps} |"
     yield "|---|---:|---:|" + "---:|" * len(STEPS)
     for window in windows(times, float(nominal.log["t"][-1])):
         # control acts in every other cycle
