@@ -24,6 +24,7 @@ from edl6dof.scenario.planned_entry import fly_shifted
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario, start_of
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
+from edl6dof.spatial.vector import clamp
 
 #: Accepted distance (m) of the planned end from the wanted one, along and across: bank reversals, which come
 #: at whole guidance cycles, leave some hundred metres across the track.
@@ -143,10 +144,10 @@ def start_before(end: Place, distance: float, bearing: float) -> Place:
     """
     up, ahead = cos(distance), sin(distance) * cos(bearing)  # sin(end) = up sin(start) + ahead cos(start)
     highest = hypot(up, ahead)
-    if abs(sin(end.latitude)) > highest:
-        reason = f"lies beyond {degrees(asin(highest)):.1f} deg, the highest latitude that an entry of this "
-        raise refusal("--site", f"{reason}azimuth and range reaches; set initial.azimuth_deg")
-    latitude = asin(sin(end.latitude) / highest) - atan2(ahead, up)
+    latitude = asin(clamp(sin(end.latitude) / highest, -1.0, 1.0)) - atan2(ahead, up)
+    if abs(sin(end.latitude)) > highest or abs(latitude) > 0.5 * pi:
+        reason = "no entry of the azimuth and range of the scenario reaches the latitude "
+        raise refusal("--site", f"{reason}{degrees(end.latitude):.1f} deg; set initial.azimuth_deg")
     turn = atan2(
         sin(bearing) * sin(distance) * cos(latitude), cos(distance) - sin(latitude) * sin(end.latitude)
     )

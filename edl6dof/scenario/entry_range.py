@@ -19,7 +19,7 @@ FAST, SLOW = 1500.0, 300.0
 #: Step (s), and longest entry.
 STEP, LONGEST = 0.5, 3000.0
 #: Margins: share of the range, and metres.
-SHARE, METRES = 0.2, 40e3
+SHARE, METRES = 0.1, 20e3
 
 
 def out_of_range(scenario: Scenario, radius_m: float) -> str:

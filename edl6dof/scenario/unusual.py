@@ -36,7 +36,10 @@ def unusual_in(scenario: Scenario) -> dict[str, str]:
     }
     far = out_of_range(scenario, radius_m(scenario.vehicle))
     found = alone | {f"vehicle.{path}": words for path, words in proportions.items()}
-    return found | ({"terrain.site_latitude_deg": far} if far else {})
+    found |= {"terrain.site_latitude_deg": far} if far else {}
+    if scenario.vehicle.rcs.thrusters and not scenario.vehicle.tanks:
+        found["vehicle.rcs.thrusters"] = "the vehicle has no tank (vehicle.tanks), so no thruster ever fires"
+    return found
 
 
 def _why_unusual(name: str, info: FieldInfo, values: list[float]) -> str:

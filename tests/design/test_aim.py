@@ -62,7 +62,9 @@ def test_start_is_where_a_course_of_that_bearing_and_length_comes_from(seed):
 
 
 def test_a_latitude_beyond_every_course_is_refused():
-    with pytest.raises(ConfigError, match="highest latitude that an entry of this azimuth and range reaches"):
+    with pytest.raises(
+        ConfigError, match="no entry of the azimuth and range of the scenario reaches the latitude 80.0 deg"
+    ):
         start_before(Place(radians(80.0), 0.0), distance=0.2, bearing=radians(90.0))
 
 
@@ -97,6 +99,12 @@ def test_without_the_change_of_the_entry_point_the_new_site_is_far():
     assert np.hypot(beyond, aside) > 500e3
 
 
+def test_a_start_beyond_the_pole_is_refused():
+    """Flying south over 13 deg of latitude, a capsule cannot reach 80 deg north."""
+    with pytest.raises(ConfigError, match="reaches the latitude 80.0 deg"):
+        start_before(Place(radians(80.0), 0.0), distance=radians(13.0), bearing=radians(181.0))
+
+
 def test_the_command_writes_a_scenario_that_reaches_the_site(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = called("design", "aim", "tianwen1", "--site", "18.44", "77.45", "--out", "jezero.yaml")
@@ -111,7 +119,7 @@ def test_the_command_writes_a_scenario_that_reaches_the_site(tmp_path, monkeypat
     "words, message",
     [
         (("--site", "98", "0"), "terrain.site_latitude_deg"),
-        (("--site", "85", "0"), "highest latitude"),
+        (("--site", "85", "0"), "reaches the latitude 85.0 deg"),
         (("--site", "0", "0", "--out", "x.txt"), "must end in .yaml, .yml"),
         (("--site", "0", "0", "--date", "tomorrow"), "initial.epoch_utc"),
     ],

@@ -26,6 +26,7 @@ def test_no_shipped_site_gives_a_warning(name):
     [
         ("tianwen1", -9.0, 0.0, "1,295 km ahead"),
         ("tianwen1", 9.0, 0.0, "230 km ahead"),
+        ("tianwen1", -5.066, 0.075, "km ahead"),  # 300 km: 20 N, 110 E
         ("tianwen1", 0.0, 12.0, "km to the left"),
         ("phoenix", 0.0, 40.0, "km ahead"),
         ("schiaparelli", 0.0, 10.0, "km ahead"),

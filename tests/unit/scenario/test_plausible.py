@@ -87,3 +87,11 @@ def test_summary_and_report_repeat_them(tmp_path):
     assert "1e-09 is unusual" in warning
     (report,) = edl6dof.report(tmp_path / "run")
     assert "09 is unusual" in report.read_text(encoding="utf-8")
+
+
+def test_thrusters_without_a_tank_are_named():
+    """They never fire, and nothing else says so."""
+    empty = edl6dof.load("phoenix", ["vehicle.tanks=[]", "vehicle.engines=[]", "mission={goal: time}"])
+    (line,) = (one for one in empty.warnings if "tank" in one)
+    assert "vehicle.rcs.thrusters" in line and "no thruster ever fires" in line
+    assert not [one for one in edl6dof.load("tianwen1").warnings if "tank" in one]
