@@ -62,9 +62,7 @@ def test_start_is_where_a_course_of_that_bearing_and_length_comes_from(seed):
 
 
 def test_a_latitude_beyond_every_course_is_refused():
-    with pytest.raises(
-        ConfigError, match="no entry of the azimuth and range of the scenario reaches the latitude 80.0 deg"
-    ):
+    with pytest.raises(ConfigError, match="of the scenario reaches the latitude 80.0 deg"):
         start_before(Place(radians(80.0), 0.0), distance=0.2, bearing=radians(90.0))
 
 
