@@ -8,7 +8,14 @@ from scipy.integrate import solve_ivp
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.estimation.engine_thrust import STUCK_THROTTLE, StuckThrottleParams, stuck_throttle
-from edl6dof.fsw.guidance.powered.stopping import LEAST_DESCENT, stop_height
+from edl6dof.fsw.guidance.powered.stopping import (
+    LEAST_DESCENT,
+    StuckThrottleDescentParams,
+    expect_stop,
+    stop_height,
+)
+from edl6dof.fsw.navigation.derived import NAV
+from edl6dof.fsw.vehicle_state import VEHICLE_STATE
 
 DT, FULL, WEIGHT = 0.04, 7500.0, 4500.0
 
@@ -126,6 +133,21 @@ def test_stop_of_a_gravity_turn_is_that_of_scipy(thrust, height, sideways, desce
     flown = solve_ivp(rates, (0.0, 200.0), [height, sideways, descent], events=stopped, rtol=1e-9, atol=1e-9)
     found = stop_height(tilt, stop, thrust, flow, mass, gravity, height, sideways, descent)
     assert found == pytest.approx(flown.y[0, -1], abs=0.01 * (height - flown.y[0, -1]))
+
+
+def test_the_stop_depends_on_the_horizontal_speed_and_not_on_its_direction(shared_onboard):
+    params, state = np.zeros(1, dtype_of(StuckThrottleDescentParams))[0], np.zeros(1, VEHICLE_STATE)[0]
+    fill(params, StuckThrottleDescentParams())
+    state["ignited"], state["mass"], state["held_thrust"] = 1, 900.0, 5000.0
+
+    def stop(north, east):
+        nav = np.zeros(1, NAV)[0]
+        nav["t"], nav["gravity"], nav["height"], nav["v_N"] = 100.0, 3.71, 500.0, (north, east, 30.0)
+        return expect_stop(params, shared_onboard[0]["vehicle"], state, nav)
+
+    assert stop(12.0, 0.0) == pytest.approx(stop(0.0, 12.0), abs=1e-9)
+    assert stop(12.0, 0.0) == pytest.approx(stop(7.2, -9.6), abs=1e-9)
+    assert abs(stop(12.0, 0.0) - stop(0.0, 0.0)) > 1.0
 
 
 def test_thrust_below_the_weight_stops_nothing():
