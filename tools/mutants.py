@@ -50,16 +50,13 @@ EQUIVALENT: dict[str, str] = {
     "sensors/radar.py read: closing += speed_fault.noise * b - dust * params.dust.speed_noise * c": (
         "the sign of a symmetric random number"
     ),
-    "sensors/vibration.py tone: "
-    "a, b, c = angle - mount.phase[0], angle + mount.phase[1], angle + mount.phase[2]": (
+    "sensors/vibration.py tone: sin_x, cos_x = sincos(angle - mount.phase[0])": (
         "the sign of a phase that any value of a turn may have"
     ),
-    "sensors/vibration.py tone: "
-    "a, b, c = angle + mount.phase[0], angle - mount.phase[1], angle + mount.phase[2]": (
+    "sensors/vibration.py tone: sin_y, cos_y = sincos(angle - mount.phase[1])": (
         "the sign of a phase that any value of a turn may have"
     ),
-    "sensors/vibration.py tone: "
-    "a, b, c = angle + mount.phase[0], angle + mount.phase[1], angle - mount.phase[2]": (
+    "sensors/vibration.py tone: sin_z, cos_z = sincos(angle - mount.phase[2])": (
         "the sign of a phase that any value of a turn may have"
     ),
     "sensors/vibration.py oscillate: "
@@ -152,13 +149,17 @@ def mutants_of(file: str, source: str) -> Iterator[Mutant]:
 def sample(count: int, seed: int, only: str) -> list[Mutant]:
     """Mutants drawn at random, one a kernel before any kernel has two."""
     by_kernel: dict[tuple[str, str], list[Mutant]] = {}
+    gone = set(EQUIVALENT) if not only else set()
     for room in ROOMS:
         for path in sorted((ROOT / "edl6dof" / room).rglob("*.py")):
             file = path.relative_to(ROOT / "edl6dof").as_posix()
             if only in file and file not in LEFT_OUT:
                 for mutant in mutants_of(file, path.read_text(encoding="utf-8")):
+                    gone.discard(mutant.key)
                     if mutant.key not in EQUIVALENT:
                         by_kernel.setdefault((file, mutant.kernel), []).append(mutant)
+    if gone:
+        raise SystemExit("EQUIVALENT names no mutant any more: " + "; ".join(sorted(gone)))
     chance = random.Random(seed)
     piles = [chance.sample(pile, len(pile)) for pile in by_kernel.values()]
     rounds = max((len(pile) for pile in piles), default=0)

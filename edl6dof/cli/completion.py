@@ -32,7 +32,7 @@ def paths(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def assignments(ctx: typer.Context, incomplete: str) -> list[str]:
-    """The same paths with the equals sign that a value follows."""
+    """Dotted paths as of :func:`paths`, each with an equals sign, after which the value is typed."""
     return [f"{path}=" for path in paths(ctx, incomplete)]
 
 

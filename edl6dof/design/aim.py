@@ -24,6 +24,7 @@ from edl6dof.scenario.planned_entry import fly_shifted
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import Scenario, start_of
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
+from edl6dof.spatial.frames import great_circle
 from edl6dof.spatial.vector import clamp
 
 #: Accepted distance (m) of the planned end from the wanted one, along and across: bank reversals, which come
@@ -115,16 +116,16 @@ def aim_entry(name: str, overrides: Sequence[str], site: Sequence[str]) -> Aim:
         ConfigError: no entry of this azimuth and range reaches the latitude of the site.
     """
     old = load_scenario(name, overrides).scenario
-    target = _site_of(load_scenario(name, [*overrides, *site]).scenario)
+    target = Place(*load_scenario(name, [*overrides, *site]).scenario.site_place)
     radius, own_end = old.planet.equatorial_radius_m, planned_end(old)
-    entry = start_before(target, *course(_entry_of(old), _site_of(old)))
+    entry = start_before(target, *great_circle(old.initial.place, old.site_place))
     for count in range(1, MOST_ENTRIES + 1):
         place = (round(degrees(entry.latitude), 6), round(degrees(entry.longitude), 6))
         new = load_scenario(name, [*overrides, *site, *entry_overrides(place)]).scenario
         found = Aim(place, (own_end, planned_end(new)), count)
         if found.reached:
             break
-        _, ahead = course(entry, target)
+        _, ahead = great_circle(entry, target)
         entry = moved(entry, ahead, -found.beyond_m / radius)
         entry = moved(entry, ahead + 0.5 * pi, -found.aside_m / radius)
     return found
@@ -160,15 +161,6 @@ def planned_end(scenario: Scenario) -> tuple[float, float]:
     return float(end["beyond"]), float(end["aside"])
 
 
-def course(start: Place, end: Place) -> tuple[float, float]:
-    """Angular distance and initial bearing (rad) of the great circle from ``start`` to ``end``."""
-    turn = end.longitude - start.longitude
-    north = cos(start.latitude) * sin(end.latitude) - sin(start.latitude) * cos(end.latitude) * cos(turn)
-    east = cos(end.latitude) * sin(turn)
-    along = sin(start.latitude) * sin(end.latitude) + cos(start.latitude) * cos(end.latitude) * cos(turn)
-    return atan2(hypot(north, east), along), atan2(east, north)
-
-
 def moved(start: Place, bearing: float, distance: float) -> Place:
     """The place at an angular distance (rad) along a bearing (rad); a negative distance lies behind."""
     latitude = asin(sin(start.latitude) * cos(distance) + cos(start.latitude) * sin(distance) * cos(bearing))
@@ -177,13 +169,3 @@ def moved(start: Place, bearing: float, distance: float) -> Place:
         cos(distance) - sin(start.latitude) * sin(latitude),
     )
     return Place(latitude, start.longitude + turn)
-
-
-def _entry_of(scenario: Scenario) -> Place:
-    initial = scenario.initial
-    return Place(radians(initial.latitude_deg), radians(initial.longitude_deg))
-
-
-def _site_of(scenario: Scenario) -> Place:
-    terrain = scenario.terrain
-    return Place(radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg))

@@ -8,9 +8,11 @@ The margins cover the effects that this model leaves out.
 
 from __future__ import annotations
 
-from math import asin, atan2, cos, degrees, exp, hypot, pi, radians, sin, sqrt, tan
+from math import pi, radians
 
 from edl6dof.scenario.schema import Scenario
+from edl6dof.spatial.elementary import cos, exp, sin, tan
+from edl6dof.spatial.frames import great_circle
 
 #: Drag coefficient.
 DRAG = 1.5
@@ -29,19 +31,17 @@ def out_of_range(scenario: Scenario, radius_m: float) -> str:
         scenario: validated scenario.
         radius_m: radius of the vehicle; 0 if it is not known.
     """
-    initial, terrain = scenario.initial, scenario.terrain
+    initial = scenario.initial
     slow = initial.speed_m_s is None or initial.speed_m_s < FAST or initial.azimuth_deg is None
     if slow or radius_m == 0.0 or scenario.atmosphere.exponential is None:
         return ""
     guided = any(phase.guidance == "entry" for phase in scenario.mission.phases)
     lift = abs(tan(radians(scenario.flight_software.guidance.entry.trim_alpha_deg))) if guided else 0.0
     shortest, longest = (flown(scenario, radius_m, ratio) for ratio in (-lift, lift))
-    distance, bearing = _course(
-        (initial.latitude_deg, initial.longitude_deg), (terrain.site_latitude_deg, terrain.site_longitude_deg)
-    )
+    distance, bearing = great_circle(initial.place, scenario.site_place)
     if distance == 0.0:  # a mission without a site
         return ""
-    off = radians(bearing - (initial.azimuth_deg or 0.0))
+    off = bearing - radians(initial.azimuth_deg or 0.0)
     along, across = scenario.planet.mean_radius_m * distance * cos(off), distance * sin(off)
     low, high = (1.0 - SHARE) * shortest - METRES, (1.0 + SHARE) * longest + METRES
     aside = abs(scenario.planet.mean_radius_m * across)
@@ -51,13 +51,13 @@ def out_of_range(scenario: Scenario, radius_m: float) -> str:
     place = f"lies {along / 1e3:,.0f} km ahead and {aside / 1e3:,.0f} km to the {side} of the entry point"
     reach = f"{max(low, 0.0) / 1e3:,.0f} to {high / 1e3:,.0f} km"
     return (
-        f"the site {place}; an entry of this speed and angle does not reach it, it flies {reach}; "
-        "edl6dof design aim finds an entry point that does"
+        f"the site {place}, beyond the estimated range of this entry, {reach}; "
+        "edl6dof design aim finds an entry point that reaches the site"
     )
 
 
 def flown(scenario: Scenario, radius_m: float, lift_to_drag: float) -> float:
-    """Range (m) of a planar entry with a constant lift-to-drag ratio, by the midpoint rule."""
+    """Range (m) over the sphere of a planar entry with a constant lift-to-drag ratio; midpoint rule."""
     planet, initial, air = scenario.planet, scenario.initial, scenario.atmosphere.exponential
     radius, mu = planet.mean_radius_m, planet.gravity.mu_m3_s2
     ballistic = scenario.vehicle.mass.entry_kg / (DRAG * pi * radius_m * radius_m)
@@ -72,19 +72,10 @@ def flown(scenario: Scenario, radius_m: float, lift_to_drag: float) -> float:
         turn = lift_to_drag * drag / v + (v / r - gravity / v) * cos(gamma)
         return v * sin(gamma), -drag - gravity * sin(gamma), turn, v * cos(gamma) * radius / r
 
-    flown, t = 0.0, 0.0
+    covered, t = 0.0, 0.0
     while speed > SLOW and height > -10e3 and t < LONGEST:
         half = [0.5 * STEP * rate for rate in rates(height, speed, angle)]
         full = rates(height + half[0], speed + half[1], angle + half[2])
         height, speed, angle = height + STEP * full[0], speed + STEP * full[1], angle + STEP * full[2]
-        flown, t = flown + STEP * full[3], t + STEP
-    return flown
-
-
-def _course(start_deg: tuple[float, float], end_deg: tuple[float, float]) -> tuple[float, float]:
-    """Angle (rad) at the centre of the planet between two places, and initial bearing (deg)."""
-    (a, _), (b, _) = (tuple(map(radians, place)) for place in (start_deg, end_deg))
-    turn = radians(end_deg[1] - start_deg[1])
-    east, north = cos(b) * sin(turn), cos(a) * sin(b) - sin(a) * cos(b) * cos(turn)
-    half = sqrt(sin(0.5 * (b - a)) ** 2 + cos(a) * cos(b) * sin(0.5 * turn) ** 2)
-    return 2.0 * asin(min(half, 1.0)), degrees(atan2(east, north)) if hypot(east, north) > 0.0 else 0.0
+        covered, t = covered + STEP * full[3], t + STEP
+    return covered

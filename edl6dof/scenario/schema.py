@@ -180,21 +180,24 @@ class Scenario(Params):
         return stated(initial.height_above_areoid_m) + areoid_height(self.planet, *initial.place)
 
     @property
+    def site_place(self) -> tuple[float, float]:
+        """Geodetic latitude and east longitude (rad) of the landing site."""
+        return radians(self.terrain.site_latitude_deg), radians(self.terrain.site_longitude_deg)
+
+    @property
     def site(self) -> tuple[float, float, float]:
         """Geodetic latitude and east longitude (rad) of the landing site, and its altitude (m)."""
-        terrain = self.terrain
-        place = radians(terrain.site_latitude_deg), radians(terrain.site_longitude_deg)
-        return *place, areoid_height(self.planet, *place) + terrain.site_elevation_m
+        return *self.site_place, self.site_areoid_m + self.terrain.site_elevation_m
 
     @property
     def site_areoid_m(self) -> float:
         """Height (m) of the areoid at the landing site above the ellipsoid."""
-        return areoid_height(self.planet, *self.site[:2])
+        return areoid_height(self.planet, *self.site_place)
 
     @property
     def place(self) -> Place:
         """The landing site and the moment of t = 0, on which the air may depend."""
-        return Place(self.initial.epoch_utc, *self.site[:2], self.terrain.site_elevation_m)
+        return Place(self.initial.epoch_utc, *self.site_place, self.terrain.site_elevation_m)
 
     @property
     def thruster_names(self) -> list[str]:

@@ -37,7 +37,6 @@ ALLOWED = {
     "spatial/rotations.py": "attitudes of pictures",
     "spatial/elementary.py:**": "integers, when the module is imported",
     "scenario/unusual.py:dist": "a warning; no record holds it",
-    "scenario/entry_range.py": "a warning; no record holds it",
     "vehicle/mass.py:eigvalsh": "the numbers of an error message",
     "vehicle/mass.py:linalg": "the numbers of an error message",
     "vehicle/aerodynamics/newtonian.py:ConvexHull": "a warning; no record holds it",

@@ -66,7 +66,7 @@ def _add_air(document: Document) -> None:
         return
     part = parse_document(_read_text(air), shown(air))
     document.files += (air,)
-    for section in part.data.keys() - document.data.keys():
+    for section in (name for name in part.data if name not in document.data):
         document.data[section] = part.data[section]
         document.marks.update({path: mark for path, mark in part.marks.items() if path[:1] == (section,)})
         for claims, more in ((document.status, part.status), (document.sources, part.sources)):

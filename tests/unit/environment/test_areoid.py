@@ -122,8 +122,8 @@ def test_without_a_map_the_areoid_is_the_ellipsoid():
 def refused(*overrides):
     with pytest.raises(ConfigError) as caught:
         edl6dof.load("tianwen1", overrides)
-    problem, *others = caught.value.problems  # another: the air that stands on the same map
-    assert problem.path == "planet.areoid" and {one.path for one in others} <= {"atmosphere.table"}
+    (problem,) = caught.value.problems
+    assert problem.path == "planet.areoid"
     return problem.message
 
 
