@@ -22,7 +22,7 @@ precision   simulated seconds per CPU second against the error of free entries, 
 How to read it. A step is one integration step of a cycle; steps that events, a canopy or the ground split are
 not counted. Seconds are CPU seconds where it says so: on a machine with other work they are what repeats,
 wall seconds are not. No peer flies the whole chain, so every case of theirs contains less than our flight
-(``tools/peers_*.py`` list what they lack). Beside the flight therefore stands ours with an empty mission, the
+(``tools/peers_*.py`` list what they lack). A second case is therefore ours with an empty mission, the
 like of a ballistic entry ("free entry": 6-DOF, Runge-Kutta, the same vehicle, atmosphere, wind, navigation
 and 50 Hz log, but no guidance, control or events). JSBSim evaluates the forces once a step, Basilisk four
 times, edl6dof four times and once more in every cycle of the flight software; the last column compares

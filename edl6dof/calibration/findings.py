@@ -65,7 +65,7 @@ class Findings:
     @property
     def unexplained(self) -> list[str]:
         """Meanings of the figures that the solution does not explain."""
-        pairs = zip(self.calibration.beside, self.residuals, strict=True)
+        pairs = zip(self.calibration.compared, self.residuals, strict=True)
         return [b.figure.meaning for b, residual in pairs if not abs(residual) <= UNEXPLAINED]
 
 
@@ -92,9 +92,9 @@ def rounded(found: Findings) -> dict[str, float]:
 
 def remarks(found: Findings) -> list[str]:
     """Return sentences on how far the figures determine the parameters, and on unexplained figures."""
-    paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.beside)
+    paths, fitted, figures = found.calibration.paths, found.fit, len(found.calibration.compared)
     said = [
-        f"{figures} figures determine {fitted.told_apart:.1f} of {len(paths)} parameters; the priors "
+        f"{figures} figures determine {fitted.determined:.1f} of {len(paths)} parameters; the priors "
         "determine the rest."
     ]
     if untold := [path for path, share in zip(paths, fitted.resolution, strict=True) if share < UNTOLD]:
@@ -150,7 +150,7 @@ def plain(found: Findings) -> dict[str, Any]:
                 "residual": float(residuals[k]),
                 "slopes": dict(zip(priors, fitted.slopes[k].tolist(), strict=True)),
             }
-            for k, b in enumerate(calibration.beside)
+            for k, b in enumerate(calibration.compared)
         },
         "remarks": remarks(found),
         "edl6dof_version": __version__,

@@ -125,7 +125,7 @@ class Fit:
         return 1.0 - np.diag(self.covariance)
 
     @property
-    def told_apart(self) -> float:
+    def determined(self) -> float:
         """Number of parameters that the figures determine: the trace of the resolution matrix."""
         return float(np.sum(self.resolution))
 

@@ -22,7 +22,7 @@ from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
 from edl6dof.config.validate import validate
 from edl6dof.config.wording import counted
-from edl6dof.metrics.published import Beside, published_figures
+from edl6dof.metrics.published import PublishedPair, published_figures
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, load_document
 
@@ -83,7 +83,7 @@ class Calibration:
 
     loaded: LoadedScenario
     params: CalibrationParams
-    beside: tuple[Beside, ...]
+    compared: tuple[PublishedPair, ...]
 
     @property
     def paths(self) -> list[str]:
@@ -101,7 +101,9 @@ class Calibration:
     @property
     def data(self) -> Data:
         """Published values of the figures."""
-        numbers, sigmas = ([getattr(b.published, name) for b in self.beside] for name in ("number", "sigma"))
+        numbers, sigmas = (
+            [getattr(b.published, name) for b in self.compared] for name in ("number", "sigma")
+        )
         return Data(np.array(numbers), np.array(sigmas))
 
     def values(self, x: np.ndarray) -> dict[str, float]:
@@ -125,7 +127,9 @@ class Calibration:
         return np.mean(self._figures(rows), axis=0)
 
     def _figures(self, rows: Iterable[Row]) -> np.ndarray:
-        return np.array([[b.published.of(row.get(b.figure.name, nan)) for b in self.beside] for row in rows])
+        return np.array(
+            [[b.published.of(row.get(b.figure.name, nan)) for b in self.compared] for row in rows]
+        )
 
 
 def load_calibration(name: str, sets: tuple[str, ...] = (), flights: int | None = None) -> Calibration:
@@ -148,16 +152,16 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
     params = validate(CalibrationFile, own).calibration
     loaded = load_document(document, sets)
     every = published_figures(loaded.scenario.published)
-    beside = {b.figure.name: b for b in every if b.published.explainable}
-    words = f"is no flown value with a sigma under published (allowed {', '.join(beside)})"
+    explainable = {b.figure.name: b for b in every if b.published.explainable}
+    words = f"is no flown value with a sigma under published (allowed {', '.join(explainable)})"
     wrong = [
         own.problem((CALIBRATION, "figures", k), words)
         for k, figure in enumerate(params.figures)
-        if figure not in beside
+        if figure not in explainable
     ]
-    if not beside:
+    if not explainable:
         wrong.append(own.problem((CALIBRATION,), "published: has no flown value with a sigma to explain"))
-    chosen = tuple(beside[name] for name in params.figures or beside if name in beside)
+    chosen = tuple(explainable[name] for name in params.figures or explainable if name in explainable)
     calibration = Calibration(loaded, params, chosen)
     wrong += _unknown_paths(calibration, own)
     if wrong:

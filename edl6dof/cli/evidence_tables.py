@@ -131,7 +131,7 @@ def _parameters(found: Findings, letters: Sequence[str]) -> Table:
 
 def _figures(found: Findings) -> Table:
     table = open_table("Figures", "figure", "unit", "published>", "before>", "after>", "sigma>", "in sigma>")
-    for k, (figure, published) in enumerate(found.calibration.beside):
+    for k, (figure, published) in enumerate(found.calibration.compared):
         numbers = (published.number, found.before[k], found.after[k])
         cells = (*(significant(value, 5) for value in numbers), significant(found.fit.sigma[k], 2))
         table.add_row(figure.meaning, figure.unit.label, *cells, f"{found.residuals[k]:+.1f}")
@@ -142,7 +142,7 @@ def _slopes(found: Findings, letters: Sequence[str]) -> Table:
     """Tabulate the slope of each figure with each parameter."""
     heads = ("figure", "unit", *(f"{letter}>" for letter in letters))
     table = open_table("Change of each figure with one prior sigma of", *heads)
-    for (figure, _), row in zip(found.calibration.beside, found.fit.slopes, strict=True):
+    for (figure, _), row in zip(found.calibration.compared, found.fit.slopes, strict=True):
         meaning = "\n".join(wrap(figure.meaning, 24))
         table.add_row(meaning, figure.unit.label, *(significant(value, 2) for value in row))
     return table

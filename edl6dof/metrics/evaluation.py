@@ -81,7 +81,7 @@ class Check:
         return figure_of_merit(self.figure).source == "balance"
 
     @property
-    def told(self) -> str:
+    def statement(self) -> str:
         """Text on a violated limit for the outcome; that on a balance contains its numbers."""
         if not self.of_balance:
             return self.label
@@ -163,7 +163,7 @@ def deployment_figures(
     Downrange is positive beyond the aim point and crossrange positive right of it, both relative to the great
     circle on which the flight began towards it.
     """
-    first, near = telemetry.rows(0, 1), telemetry.beside(mortar_fire_s)
+    first, near = telemetry.rows(0, 1), telemetry.around(mortar_fire_s)
     start, here = _place(first, float(first["t_s"][0])), _place(near, mortar_fire_s)
     arc, azimuth = great_circle(start, here)
     goal, along = great_circle(start, aim_point)

@@ -61,7 +61,7 @@ def value(event: str, *channels: str, added: bool = False, before: bool = False)
         t, telemetry = flown.when.get(event), flown.telemetry
         if t is None:
             return None
-        t = float(telemetry.beside(t)["t_s"][0]) if before else t
+        t = float(telemetry.around(t)["t_s"][0]) if before else t
         if len(channels) > 1 and not added:
             return telemetry.length_at(t, *channels)
         first, *others = telemetry.at(t, *channels)

@@ -141,18 +141,20 @@ class PublishedFigure(Params):
 Published = Mapping[str, float | PublishedFigure | None]
 
 
-class Beside(NamedTuple):
+class PublishedPair(NamedTuple):
     """A figure and its published value or requirement."""
 
     figure: FigureOfMerit
     published: PublishedFigure
 
 
-def published_figures(entries: Published) -> list[Beside]:
+def published_figures(entries: Published) -> list[PublishedPair]:
     """Every published figure with its declaration, in the order of the file."""
     given = ((name, entry) for name, entry in entries.items() if entry is not None)
     return [
-        Beside(figure_of_merit(name), one if isinstance(one, PublishedFigure) else PublishedFigure(value=one))
+        PublishedPair(
+            figure_of_merit(name), one if isinstance(one, PublishedFigure) else PublishedFigure(value=one)
+        )
         for name, one in given
     ]
 

@@ -29,7 +29,7 @@ from edl6dof.config.document.source import parse_document, read_document, resolv
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.figures import FigureOfMerit
-from edl6dof.metrics.published import Beside, PublishedFigure, published_figures
+from edl6dof.metrics.published import PublishedFigure, PublishedPair, published_figures
 from edl6dof.scenario.loading import CALIBRATION
 
 PUBLISHED, CAMPAIGN = "published", "campaign"
@@ -42,7 +42,7 @@ class Mission:
     """A real flight and the flights that predict it."""
 
     plan: Plan  # the dispersed flights
-    beside: tuple[Beside, ...]  # published values, in the order of the file
+    compared: tuple[PublishedPair, ...]  # published values, in the order of the file
     status: dict[str, str]  # mark of each published figure by its name, such as ``published`` or ``recalled``
     #: published figures that were used to calibrate the scenario, which it therefore does not predict
     fitted: frozenset[str]
@@ -98,13 +98,13 @@ def load_mission(name: str, flights: int | None = None) -> Mission:
         known = ", ".join(shipped_missions())
         words = f"is no mission: it has no {' and no '.join(f'{key}:' for key in missing)} section"
         raise ConfigError([document.problem((), f"{words} (shipped missions: {known})")])
-    beside = document.copy()
+    unread = document.copy()
     plan = plan_of(document, cases=flights)
     figures = tuple(published_figures(plan.loaded.scenario.published))
-    return Mission(plan, figures, _status(beside, figures), _fitted(beside, figures))
+    return Mission(plan, figures, _status(unread, figures), _fitted(unread, figures))
 
 
-def _status(document: Document, figures: Sequence[Beside]) -> dict[str, str]:
+def _status(document: Document, figures: Sequence[PublishedPair]) -> dict[str, str]:
     """Status mark of each published figure by its name."""
     found = {}
     for figure, _ in figures:
@@ -113,7 +113,7 @@ def _status(document: Document, figures: Sequence[Beside]) -> dict[str, str]:
     return found
 
 
-def _fitted(document: Document, figures: Sequence[Beside]) -> frozenset[str]:
+def _fitted(document: Document, figures: Sequence[PublishedPair]) -> frozenset[str]:
     """Published figures on which the scenario was calibrated."""
     section = document.data.get(CALIBRATION)
     if section is None:
@@ -180,7 +180,7 @@ def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
     """Compare the rows of a mission's flights with each published figure."""
     causes = Counter(row["cause"] for row in rows if row["cause"])
     found = []
-    for figure, published in mission.beside:
+    for figure, published in mission.compared:
         values = np.array(figure_values(rows, figure.name, published))
         values = values[np.isfinite(values)]
         mean = float(values.mean()) if len(values) else nan

@@ -13,7 +13,7 @@ from rich.text import Text
 
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.metrics.published import Beside, Published, published_figures
+from edl6dof.metrics.published import Published, PublishedPair, published_figures
 
 if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
@@ -192,7 +192,7 @@ def print_whole(table: Table) -> None:
     Console(highlight=False, soft_wrap=True, width=_WIDEST).print(table)
 
 
-def _compared(pair: Beside, own: float | None, deviation: float | None) -> Compared:
+def _compared(pair: PublishedPair, own: float | None, deviation: float | None) -> Compared:
     figure, published = pair
     places = _published_places(published.number)
     head, shown = (figure.meaning, figure.unit.label), f"{published.mark}{published.number:,.{places}f}"

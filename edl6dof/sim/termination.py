@@ -67,7 +67,7 @@ def termination(flight: FlightRecords, figures: Mapping[str, float], checks: Seq
     told, plain = ("", "") if missed and not of_mission else reasons(flight, figures, of_mission)
     if missed:
         limits, labels = (
-            ", ".join(each) for each in zip(*((one.told, one.label) for one in missed), strict=True)
+            ", ".join(each) for each in zip(*((one.statement, one.label) for one in missed), strict=True)
         )
         return Termination(
             False, True, f"{words} outside limits ({limits}){told}", f"outside limits: {labels}{plain}"
@@ -131,8 +131,8 @@ class Consequence(NamedTuple):
     """Event on the way to the end: time (s), words without numbers, and words with its numbers."""
 
     t_s: float
-    plain: str
-    told: str
+    without_numbers: str
+    with_numbers: str
 
 
 def reasons(flight: FlightRecords, figures: Mapping[str, float], missed: Sequence[Check]) -> tuple[str, str]:
@@ -142,7 +142,9 @@ def reasons(flight: FlightRecords, figures: Mapping[str, float], missed: Sequenc
     until = _decided_at(flight, figures, missed)
     led_to = sorted(one for one in _consequences(flight) if one.t_s <= until)
     told, plain = _contributing(flight, until)
-    return _sentence([one.told for one in led_to], told), _sentence([one.plain for one in led_to], plain)
+    return _sentence([one.with_numbers for one in led_to], told), _sentence(
+        [one.without_numbers for one in led_to], plain
+    )
 
 
 def _sentence(led_to: list[str], faults: list[str]) -> str:

@@ -40,10 +40,10 @@ SCENARIO, SEED = "tianwen1", 2022
 _PERFECT = "sensors.set=perfect"
 LANDER = "flight_software.control.thrust_vector"
 REMARKS = (
-    "Beside published values stand mean and standard deviation over flights that differ by "
+    "Published values are followed by mean and standard deviation over flights that differ by "
     f"{SPEED_STEP_M_S:g} m/s in entry speed, {FLIGHTS} where the study flies in full.",
     "S1's pitch is the channel of sideslip and its yaw that of the angle of attack: the yaw and pitch of "
-    "this body frame. The signs of its axes are not told: sizes compare.",
+    "this body frame. The paper does not state the signs of its axes: magnitudes are compared.",
     "Rates in lift are those of the channels of angle of attack and sideslip: without the yaw p tan(alpha) "
     "that banking about the velocity is in the body.",
     "Rates and errors are the largest; the thrust direction counts as found within 5 deg, a "

@@ -59,7 +59,7 @@ class Telemetry(Mapping[str, np.ndarray]):
         """Some rows of all columns."""
         return Telemetry(self._log[start:stop], *self._names)
 
-    def beside(self, t: float) -> Telemetry:
+    def around(self, t: float) -> Telemetry:
         """The rows before and after time ``t`` (s), or the nearest two; one row if the log has only one."""
         times = self["t_s"]
         after = max(1, min(int(np.searchsorted(times, t)), len(times) - 1))
@@ -67,7 +67,7 @@ class Telemetry(Mapping[str, np.ndarray]):
 
     def at(self, t: float, *names: str) -> list[float]:
         """Values of channels at time ``t`` (s), interpolated linearly; held beyond the ends."""
-        near = self.beside(t)
+        near = self.around(t)
         table, times = np.array([near[name] for name in names]), near["t_s"]
         if len(times) == 1:
             return table[:, 0].tolist()

@@ -62,7 +62,7 @@ def test_linear_case_is_the_normal_equations():
     covariance = np.linalg.inv(np.eye(3) + slopes.T @ np.diag(sigma**-2) @ slopes)
     assert found.x == pytest.approx(covariance @ slopes.T @ (gap / sigma**2), abs=1e-9)
     assert found.covariance == pytest.approx(covariance, rel=1e-9)
-    assert found.told_apart == pytest.approx(3.0 - np.trace(covariance))
+    assert found.determined == pytest.approx(3.0 - np.trace(covariance))
     misfit = (slopes @ found.x - gap) / sigma
     assert found.squares == pytest.approx(misfit @ misfit + found.x @ found.x)
     assert found.widening == 1.0 and found.moved == pytest.approx(0.0, abs=1e-9) and not found.at_bound.any()
@@ -99,7 +99,7 @@ def test_a_parameter_that_no_figure_knows_keeps_its_prior_and_two_that_act_alike
     found = fit(lambda x: x[:, :1] + x[:, 1:2], data, -FAR, FAR, FLIGHTS, seed=1)
     assert found.resolution[2] == pytest.approx(0.0) and found.x[2] == pytest.approx(0.0, abs=1e-9)
     assert found.x[0] == pytest.approx(found.x[1]) and found.correlation[0, 1] < -0.99
-    assert found.told_apart == pytest.approx(1.0, abs=2e-3)
+    assert found.determined == pytest.approx(1.0, abs=2e-3)
 
 
 def test_a_bound_holds():

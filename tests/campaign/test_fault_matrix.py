@@ -212,7 +212,7 @@ def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
 
 @pytest.mark.long
 def test_row_has_the_bits_of_the_same_fault_flown_alone(here):
-    """Beside other cells, after another in the same thread."""
+    """Among other cells, after another in the same thread."""
     words = ("--kinds", "stuck_on", "--components", "D5,F3", "--at", "129.5", "--workers", "1", "--out", "m")
     assert command("faults", "tianwen1", *words)[0] in (0, 1)
     row = Store(Path("m")).table().to_pylist()[1]

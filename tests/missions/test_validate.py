@@ -87,7 +87,7 @@ def test_figures_that_a_scenario_was_calibrated_on_are_told():
 
 def test_shipped_missions_count_no_value_that_was_planned_or_commanded_or_that_repeats_another():
     what = {
-        name: {figure.name: published.evidence for figure, published in load_mission(name, 2).beside}
+        name: {figure.name: published.evidence for figure, published in load_mission(name, 2).compared}
         for name in ("insight_mc", "msl_landing_mc", "mars2020_mc", "phoenix_mc", "tianwen1_mc")
     }
     assert what["insight_mc"]["powered_duration_s"] == "planned"
@@ -171,7 +171,7 @@ def test_the_table_has_whole_words_in_80_columns(monkeypatch, capsys, tmp_path):
     for name in ("tianwen1_mc", "msl_landing_mc", "schiaparelli_mc"):
         mission = load_mission(name, 2)
         near = [
-            {figure.name: factor * published.number for figure, published in mission.beside}
+            {figure.name: factor * published.number for figure, published in mission.compared}
             for factor in (0.97, 1.03)
         ]
         missions.append(compare(mission, [{**row, "success": True, "cause": ""} for row in near]))
