@@ -99,7 +99,8 @@ initial:
 def show_aim(old: Scenario, new: Scenario, found: Aim, flights: Sequence[Flight]) -> None:
     """Print the entry point, the planned end and the flights with guidance at the old and the new site."""
     console = Console(highlight=False, soft_wrap=True)
-    site = f"{new.terrain.site_latitude_deg:g} N, {new.terrain.site_longitude_deg:g} E"
+    north, east = new.terrain.site_latitude_deg, new.terrain.site_longitude_deg
+    site = f"{abs(north):g} {'SN'[north >= 0.0]}, {east:g} E"
     table = open_table(f"{old.name} at {site}", "figure", "unit", "own site>", "new site>")
     both = (old, new)
     for label, unit, values, places in (
@@ -109,7 +110,7 @@ def show_aim(old: Scenario, new: Scenario, found: Aim, flights: Sequence[Flight]
         ("planned end beyond the aim point", "m", [end[0] for end in found.ends], 0),
         ("planned end right of it", "m", [end[1] for end in found.ends], 0),
     ):
-        table.add_row(label, unit, *(f"{value:,.{places}f}" for value in values))
+        table.add_row(label, unit, *(f"{round(value, places) + 0.0:,.{places}f}" for value in values))
     for name in ("parachute_miss_m", "landing_distance_m"):
         values = [flight.figures.get(name, np.nan) for flight in flights]
         if np.isfinite(values).all():

@@ -107,6 +107,7 @@ def test_the_command_writes_a_scenario_that_reaches_the_site(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     done = called("design", "aim", "tianwen1", "--site", "18.44", "77.45", "--out", "jezero.yaml")
     assert done.returncode == 0 and "new site: landed within limits" in done.stdout
+    assert "tianwen1 at 18.44 N, 77.45 E" in done.stdout
     jezero, own = edl6dof.load("jezero.yaml").scenario, edl6dof.load("tianwen1").scenario
     assert (jezero.terrain.site_latitude_deg, jezero.terrain.site_longitude_deg) == (18.44, 77.45)
     assert jezero.initial.azimuth_deg == own.initial.azimuth_deg
