@@ -3,7 +3,8 @@
 #
 # Thruster D7, one of eight that rotate the hovering lander, fails 2 s after hazard avoidance has begun. The
 # flight computer has no direct information about the failure. It detects that the lander does not rotate as
-# commanded, and isolates the thruster that causes the difference.
+# commanded, and isolates the thruster that causes the difference. The flow meters of `tianwen1`, which
+# are an engineering estimate, contribute to the isolation.
 
 # %%
 import matplotlib.pyplot as plt
@@ -48,5 +49,8 @@ for panel in panels:
     panel.axvline(found["diagnosis"]["t_s"] - start, color="tab:green")
     panel.grid(alpha=0.3)
 panels[0].legend(frameon=False)
-panels[0].text(found["diagnosis"]["t_s"] - start + 0.2, 100, "D7 isolated", color="tab:green")
+upper = panels[0].get_xaxis_transform()  # x in seconds, y as a share of the panel
+panels[0].text(
+    found["diagnosis"]["t_s"] - start + 0.2, 0.85, "D7 isolated", color="tab:green", transform=upper
+)
 plt.show()
