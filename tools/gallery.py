@@ -117,7 +117,8 @@ PICTURES = (
     figure("footprint", "Landing points of a hundred dispersed flights.", "runs/mc", "footprint"),
     figure(
         "faults",
-        "Two thrusters stuck on at 200 s, all pairs of twelve, with flow meters (an estimate): what was isolated, how fast.",
+        "Two thrusters stuck on at 200 s, all pairs of twelve, with flow meters (an estimate): "
+        "what was isolated, how fast.",
         "runs/faults",
         "faults_stuck_on_0",
     ),
