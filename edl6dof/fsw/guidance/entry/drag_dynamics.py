@@ -13,10 +13,12 @@ Guo leave out of eq. 14 the loss of g with height, 4 D g sin^2(gamma)/r.
 
 from __future__ import annotations
 
-from edl6dof.fsw.guidance.entry.airframe import area_rate
-from edl6dof.fsw.navigation.derived import model_atmosphere
+from math import sqrt
+
+from edl6dof.fsw.guidance.entry.airframe import area_rate, believed_aero
+from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.spatial.elementary import acos, sincos
+from edl6dof.spatial.elementary import acos, asin, sincos
 from edl6dof.spatial.vector import clamp
 
 
@@ -62,6 +64,55 @@ def measured_drag_dynamics(onboard, nav, lift):
         scale_height=scale_height,
         area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
     )
+
+
+#: Least lift-to-drag ratio of the inversion, which keeps it finite where the trim wing has removed the lift.
+LEAST_LIFT = 0.01
+#: Half the height (m) over which changes of scale height and wind are measured.
+REACH = 2000.0
+
+
+@kernel
+def believed_lift(vehicle, nav):
+    """Lift-to-drag ratio that the flight computer expects at the present Mach number, at least
+    ``LEAST_LIFT``.
+    """
+    _, lift_to_drag = believed_aero(vehicle, nav.mach, nav.speed)
+    return max(lift_to_drag, LEAST_LIFT)
+
+
+@kernel
+def drag_dynamics_in_air(onboard, nav, lift):
+    """Result of :func:`measured_drag_dynamics` in the expected wind, and with a scale height h_s that changes
+    with altitude h: the papers leave out both.
+
+    The speed V is that through the air, whose wind w changes with altitude: V' gains -w', and D'' gains D
+    (h'/h_s)^2 dh_s/dh. ``lift`` in m/s2.
+    """
+    air, h = onboard.atmosphere, nav.altitude
+    _, _, scale_height = model_atmosphere(air, h)
+    _, _, low_scale = model_atmosphere(air, h - REACH)
+    _, _, high_scale = model_atmosphere(air, h + REACH)
+    to_north, to_east = expected_wind(air, h)
+    low_north, low_east = expected_wind(air, h - REACH)
+    high_north, high_east = expected_wind(air, h + REACH)
+    north, east, climb = nav.v_N[0] - to_north, nav.v_N[1] - to_east, -nav.v_N[2]
+    speed = sqrt(north * north + east * east + climb * climb)
+    rate, a, b = drag_dynamics(
+        nav.drag,
+        speed,
+        gamma=asin(climb / speed),
+        radius=nav.radius,
+        gravity=nav.gravity,
+        lift=lift,
+        scale_height=scale_height,
+        area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
+    )
+    per_height = 0.5 / REACH
+    shear = per_height * (north * (high_north - low_north) + east * (high_east - low_east)) / speed
+    relative = climb / scale_height
+    bend = nav.drag * relative * relative * per_height * (high_scale - low_scale)
+    return rate - 2.0 * nav.drag * shear * climb / speed, a, b + bend
 
 
 @kernel

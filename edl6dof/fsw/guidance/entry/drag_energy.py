@@ -43,6 +43,9 @@ WEIGHT = (
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
 FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
+#: Energy over that at the end of range control down to which the profile is refitted.
+LEAST_SPAN = 1.25
+
 #: The present profile: coefficients (m/s2), energy (J/kg) at its argument 1, time (s) of the last update;
 #: ``drag`` and ``ground`` are workspace.
 PROFILE = record(
@@ -75,11 +78,14 @@ def evaluate(coefficient, x):
 
 
 @kernel
-def predicted_range(memory, span, eta):
+def predicted_range(memory, span, eta, coast):
     """Range (m) along the sampled drag times 1 + ``eta`` f over an energy ``span`` (J/kg), and its derivative
-    by eta (Simpson).
+    by eta (Simpson). ``coast``: range (m) times drag (m/s2) after range control, where range is inversely
+    proportional to the drag at its end.
     """
-    total, slope = 0.0, 0.0
+    f = shape(1.0 - SHARE[0])
+    total = coast / (memory.drag[0] * (1.0 + eta * f))
+    slope = -total * f / (1.0 + eta * f)
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])
         piece = span * WEIGHT[i] * memory.ground[i] / (memory.drag[i] * (1.0 + eta * f))
@@ -90,10 +96,10 @@ def predicted_range(memory, span, eta):
 
 @kernel
 def refit(reference, energy, wanted, limit, memory):
-    """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
-    ``wanted`` m (eqs. 13-15); ``limit``: largest |eta|, where 0 keeps the range.
+    """Fit the profile from ``energy`` (J/kg) to the end of range control of the reference, for a range of
+    ``wanted`` m to the aim point (eqs. 13-15); ``limit``: largest |eta|, where 0 keeps the range.
     """
-    terminal = 0.5 * reference.first * reference.first
+    terminal = 0.5 * reference.handover * reference.handover
     span = energy - terminal
     widest = 1.0 + 2.0 * limit
     for i in range(SAMPLES):
@@ -105,9 +111,11 @@ def refit(reference, energy, wanted, limit, memory):
         if memory.started != 0:
             now, _, _ = evaluate(memory.coefficient, (e - terminal) / (memory.energy - terminal))
             memory.drag[i] = clamp(now, nominal / widest, nominal * widest)
+    j, f = node_of(reference, reference.handover)
+    coast = reference.coast * (reference.drag[j] + f * (reference.drag[j + 1] - reference.drag[j]))
     eta = 0.0
     for _ in range(4):
-        predicted, slope = predicted_range(memory, span, eta)
+        predicted, slope = predicted_range(memory, span, eta, coast)
         eta = clamp(eta - (predicted - wanted) / slope, -limit, limit)
     for i in range(SAMPLES):
         memory.drag[i] *= 1.0 + eta * shape(1.0 - SHARE[i])
@@ -126,8 +134,8 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     ``p``: ``PolynomialParams`` of the law; ``drag``, ``drag_rate``: measured values (m/s2, m/s3).
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
-    terminal = 0.5 * reference.first * reference.first
-    updating = shared.update and nav.speed > shared.update_stop
+    terminal = 0.5 * reference.handover * reference.handover
+    updating = shared.update and nav.speed > shared.update_stop and nav.energy > LEAST_SPAN * terminal
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
         limit = shared.scale_limit if updating else 0.0

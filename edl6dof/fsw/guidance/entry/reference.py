@@ -91,6 +91,8 @@ REFERENCE = record(
     ("first", "f8"),  # m/s: sqrt(2E) of the first node, at the end of the entry
     ("spacing", "f8"),  # m/s: from node to node
     ("shift", "f8"),  # of cos(bank)
+    ("handover", "f8"),  # m/s: sqrt(2E) where range control ends; ``first`` without heading alignment
+    ("coast", "f8"),  # m: planned range from there to the end
     ("drag", "f8", (NODES,)),
     ("drag_rate", "f8", (NODES,)),
     ("drag_acceleration", "f8", (NODES,)),
@@ -107,6 +109,8 @@ PLANNED = record(
     ("energy", "f8"),  # J/kg
     ("beyond", "f8"),  # m, downrange beyond the aim point, on the great circle from the start
     ("aside", "f8"),  # m, crossrange, positive right of the aim point
+    ("latitude", "f8"),  # rad
+    ("longitude", "f8"),  # rad
     ("bank", "f8"),  # rad, commanded
     ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
     ("mach", "f8"),
@@ -139,12 +143,18 @@ def point_mass(onboard, h, v, gamma, bank):
 
 
 @kernel
+def range_control_end(entry):
+    """Speed (m/s) at which heading alignment or level wings end range control."""
+    return max(entry.align_speed, entry.heading.speed)
+
+
+@kernel
 def reference_bank(onboard, shift, speed):
     """Bank angle (rad) of the open-loop profile at ``speed`` (m/s), its cosine shifted by ``shift``, within
     the limits of all laws; zero in heading alignment, where the bank is to either side.
     """
     entry = onboard.guidance.entry
-    if speed <= max(entry.align_speed, entry.heading.speed):
+    if speed <= range_control_end(entry):
         return 0.0
     p = entry.reference_bank
     wanted = cos(bank_at(p.points, p.n_points, speed)) + shift
@@ -159,8 +169,18 @@ def node_of(reference, energy_speed):
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
-def fill_reference(planned: np.ndarray, table: np.void) -> None:
-    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept.
+def last_controlled(planned: np.ndarray, slowest: float) -> int:
+    """Index of the first row of a plan at which range control has ended; the last row if it never ends.
+
+    ``slowest``: speed (m/s) at which it ends, :func:`range_control_end`.
+    """
+    ended = planned["speed"] <= slowest
+    return int(np.argmax(ended)) if ended.any() else len(planned) - 1
+
+
+def fill_reference(planned: np.ndarray, table: np.void, slowest: float) -> None:
+    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept. ``slowest``: speed (m/s) at
+    which range control ends.
 
     The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
     another time in flight, leaves no step in the derivatives. The derivatives are those of the tabulated drag
@@ -174,6 +194,8 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
     table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
+    end = last_controlled(planned, slowest)
+    table["handover"], table["coast"] = u[end], planned["beyond"][-1] - planned["beyond"][end]
     columns = {
         "drag": drag,
         "drag_rate": rate,
