@@ -101,9 +101,8 @@ def planned_states(onboard: np.ndarray, scenario: Scenario) -> tuple[np.ndarray,
         down = -nav["speed"] * sin(nav["flight_path_angle"])
         nav["v_N"] = level * cos(nav["azimuth"]), level * sin(nav["azimuth"]), down
         guide["range_to_go"], guide["crossrange"], guide["downrange_to_go"] = to_target(record, nav)
-    guides["drag_ratio"] = guides["lift_ratio"] = 1.0
+    guides["drag_ratio"], guides["lift_ratio"], guides["side"] = 1.0, 1.0, rows["side"]
     guides["least_bank"] = record["guidance"]["entry"]["bank_min"]
-    guides["side"] = rows["side"]
     return navs, guides
 
 

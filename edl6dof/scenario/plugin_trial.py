@@ -9,7 +9,7 @@ the kernel may only read.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable
 from functools import cache
 from math import prod
 from pathlib import Path
@@ -110,12 +110,7 @@ def try_out() -> None:
         ConfigError: kernels that do not compile, fail, return another type than their family requires, or
             write what they may only read.
     """
-    _refuse(
-        Problem(shown(path), 0, 0, role, complaint)
-        for path, (key, member) in plugins.ACTIVE.items()
-        for role, arguments in plugins.FAMILIES[key].roles.items()
-        if (complaint := _complaint(key, member, role, arguments))
-    )
+    _refuse(_complaint)
 
 
 def try_on_plan(scenario: Scenario) -> None:
@@ -123,97 +118,88 @@ def try_on_plan(scenario: Scenario) -> None:
     planned entry.
 
     Raises:
-        ConfigError: one of them writes what it may only read, or has a result that is not finite.
+        ConfigError: one of them fails, writes what it may only read, or has a result that is not finite.
     """
     entry = scenario.flight_software.guidance.entry
-    chosen = ("entry_law", entry.law), ("reversal", entry.reversal.logic)
-    _refuse(
+    chosen = {("entry_law", entry.law), ("reversal", entry.reversal.logic)}
+    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        _refuse(
+            lambda key, member, *of: (
+                _on_plan(scenario, key, member, *of) if (key, member.name) in chosen else ""
+            )
+        )
+
+
+def _refuse(complain: Callable[[str, Member, str, tuple[str, ...]], str]) -> None:
+    """Raise ``ConfigError`` with what ``complain`` says of the kernels of all active plugins."""
+    complaints = [
         Problem(shown(path), 0, 0, role, complaint)
         for path, (key, member) in plugins.ACTIVE.items()
-        if (key, member.name) in chosen and any(p.guidance == "entry" for p in scenario.mission.phases)
         for role, arguments in plugins.FAMILIES[key].roles.items()
-        if (complaint := _complaint_on_plan(key, member, role, arguments, scenario))
-    )
-
-
-def _refuse(problems: Iterable[Problem]) -> None:
-    if found := list(problems):
-        raise ConfigError(found)
+        if (complaint := complain(key, member, role, arguments))
+    ]
+    if complaints:
+        raise ConfigError(complaints)
 
 
 def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
     given = {name: _argument(name, key, member) for name in arguments}
-    try:
-        value, wrong = _called(key, member, role, given)
-        for record in given.values():
-            _make_up(record)
-        wrong = wrong or _called(key, member, role, given)[1]
-    except NumbaError as error:
-        return f"does not compile: {_first_cause(str(error))}"
-    except KeyError as error:  # how numba reports an unknown field of a record
-        return f"uses a field that its records do not have: {error}"
-    except Exception as error:  # what the user's own code raises
-        return f"fails on records of zeros or made-up numbers: {type(error).__name__}: {error}"
+    value, wrong = _called(key, member.kernels[role], given)
     words, shape = _RETURNS.get((key, role), ("nothing", None))
-    return wrong if _has_shape(value, shape) else f"must return {words} (got {type(value).__name__})"
-
-
-def _called(key: str, member: Member, role: str, given: dict[str, Any]) -> tuple[Any, str]:
-    """Result of a kernel, and what it has written that it may only read; empty if nothing."""
-    read = {name: given[name] for name in given.keys() - _WRITTEN_IN.get(key, _WRITTEN)}
-    before = {name: record.copy() for name, record in read.items() if isinstance(record, np.ndarray)}
-    value = member.kernels[role](*(one[0] if _is_record(one) else one for one in given.values()))
-    changes = (_change(name, record, read[name]) for name, record in before.items())
-    return value, next(filter(None, changes), "")
-
-
-def _is_record(given: Any) -> bool:
-    return isinstance(given, np.ndarray) and given.dtype.names is not None
-
-
-def _change(name: str, before: np.ndarray, after: np.ndarray) -> str:
-    """Description of the first number of a record that a call has changed; empty if there is none."""
-    if before.tobytes() == after.tobytes():
-        return ""
-    for old, new in zip(numbers(before, name), numbers(after, name), strict=True):
-        wrong = (old.values != new.values) & ~(np.isnan(old.values) & np.isnan(new.values))
-        if np.any(wrong):
-            was, now = old.values[wrong][0], new.values[wrong][0]
-            return f"writes {new.place(wrong)}, which it may only read (was {was:g}, now {now:g})"
-    return ""
-
-
-def _make_up(given: Any) -> None:
-    """Fill a record: whole numbers with 1, others with numbers between a half and one."""
-    for field in numbers(given) if _is_record(given) else ():
+    if not wrong and not _has_shape(value, shape):
+        return f"must return {words} (got {type(value).__name__})"
+    for field in (one for record in given.values() if _is_record(record) for one in numbers(record)):
         made_up = np.linspace(0.5, 1.0, field.values.size).reshape(field.values.shape)
         field.values[...] = 1 if field.is_whole else made_up
+    return wrong or _called(key, member.kernels[role], given)[1]
 
 
-def _complaint_on_plan(
-    key: str, member: Member, role: str, arguments: tuple[str, ...], scenario: Scenario
-) -> str:
+def _on_plan(scenario: Scenario, key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
     from edl6dof.scenario.planned_entry import planned_states
     from edl6dof.scenario.records import build_onboard
 
     onboard = build_onboard(scenario)
     entry = onboard["guidance"]["entry"]
-    own = entry if key == "entry_law" else entry["reversal"]
-    belief = {"params": own[member.name], "plan": onboard["plan"][member.name], "onboard": onboard}
-    given = {name: belief.get(name, _argument(name, key, member)) for name in arguments}
+    given = {name: _argument(name, key, member) for name in arguments} | {"onboard": onboard}
+    given["params"] = (entry if key == "entry_law" else entry["reversal"])[member.name]
+    if "plan" in arguments:
+        given["plan"] = onboard["plan"][member.name]
     navs, guides = planned_states(onboard, scenario)
     for k in np.linspace(0, len(navs) - 1, _STATES).astype(int):
         given |= {"nav": navs[k : k + 1], "out": guides[k : k + 1]}
-        value, wrong = _called(key, member, role, given)
-        at = f"at {navs['speed'][k]:.0f} m/s of the planned entry"
-        if wrong:
-            return f"{wrong} {at}"
-        if not np.isfinite(value):
-            return f"returns {value} {at}"
-        for name in ("memory", "out"):
-            if (place := first_not_finite(given[name])) is not None:
-                return f"writes {name}.{place}, which is not finite, {at}"
+        value, wrong = _called(key, member.kernels[role], {name: given[name] for name in arguments})
+        places = ((name, first_not_finite(given[name])) for name in ("memory", "out"))
+        endless = [f"writes {name}.{place}, which is not finite," for name, place in places if place]
+        if not wrong and not np.isfinite(value):
+            wrong = f"returns {value}"
+        if wrong or endless:
+            return f"{wrong or endless[0]} at {navs['speed'][k]:.0f} m/s of the planned entry"
     return ""
+
+
+def _called(key: str, kernel: Callable[..., Any], given: dict[str, Any]) -> tuple[Any, str]:
+    """Result of a kernel, and what is wrong with the call: it fails, or writes what it may only read."""
+    read = {name: given[name] for name in given.keys() - _WRITTEN_IN.get(key, _WRITTEN)}
+    before = {name: record.copy() for name, record in read.items() if isinstance(record, np.ndarray)}
+    try:
+        value = kernel(*(one[0] if _is_record(one) else one for one in given.values()))
+    except NumbaError as error:
+        return None, f"does not compile: {_first_cause(str(error))}"
+    except KeyError as error:  # how numba reports an unknown field of a record
+        return None, f"uses a field that its records do not have: {error}"
+    except Exception as error:  # what the user's own code raises
+        return None, f"fails: {type(error).__name__}: {error}"
+    for name in (name for name, record in before.items() if record.tobytes() != read[name].tobytes()):
+        for old, new in zip(numbers(before[name], name), numbers(read[name], name), strict=True):
+            if old.values.tobytes() != new.values.tobytes():
+                wrong = old.values != new.values
+                was, now = old.values[wrong][0], new.values[wrong][0]
+                return value, f"writes {new.place(wrong)}, which it may only read (was {was:g}, now {now:g})"
+    return value, ""
+
+
+def _is_record(given: Any) -> bool:
+    return isinstance(given, np.ndarray) and given.dtype.names is not None
 
 
 def _has_shape(value: Any, shape: tuple[int, ...] | None) -> bool:

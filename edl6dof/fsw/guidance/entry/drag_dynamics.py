@@ -82,21 +82,23 @@ def believed_lift(vehicle, nav):
 
 
 @kernel
-def drag_dynamics_in_air(onboard, nav, lift):
-    """Result of :func:`measured_drag_dynamics` in the expected wind, and with a scale height h_s that changes
-    with altitude h: the papers leave out both.
+def drag_dynamics_in_air(onboard, nav):
+    """Result of :func:`drag_dynamics` at the navigated state and measured drag, with the believed drag area
+    and lift, in the expected wind, and with a scale height that changes with altitude.
 
-    The speed V is that through the air, whose wind w changes with altitude: V' gains -w', and D'' gains D
-    (h'/h_s)^2 dh_s/dh. ``lift`` in m/s2.
+    The speed is that through the air, which gains -w' where the wind w changes with height h; D'' gains D
+    (h'/h_s)^2 dh_s/dh.
     """
     air, h = onboard.atmosphere, nav.altitude
     _, _, scale_height = model_atmosphere(air, h)
-    _, _, low_scale = model_atmosphere(air, h - REACH)
-    _, _, high_scale = model_atmosphere(air, h + REACH)
-    to_north, to_east = expected_wind(air, h)
-    low_north, low_east = expected_wind(air, h - REACH)
-    high_north, high_east = expected_wind(air, h + REACH)
-    north, east, climb = nav.v_N[0] - to_north, nav.v_N[1] - to_east, -nav.v_N[2]
+    _, _, below = model_atmosphere(air, h - REACH)
+    _, _, above = model_atmosphere(air, h + REACH)
+    wind, wind_below, wind_above = (
+        expected_wind(air, h),
+        expected_wind(air, h - REACH),
+        expected_wind(air, h + REACH),
+    )
+    north, east, climb = nav.v_N[0] - wind[0], nav.v_N[1] - wind[1], -nav.v_N[2]
     speed = sqrt(north * north + east * east + climb * climb)
     rate, a, b = drag_dynamics(
         nav.drag,
@@ -104,15 +106,14 @@ def drag_dynamics_in_air(onboard, nav, lift):
         gamma=asin(climb / speed),
         radius=nav.radius,
         gravity=nav.gravity,
-        lift=lift,
+        lift=nav.drag * believed_lift(onboard.vehicle, nav),
         scale_height=scale_height,
         area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
     )
-    per_height = 0.5 / REACH
-    shear = per_height * (north * (high_north - low_north) + east * (high_east - low_east)) / speed
-    relative = climb / scale_height
-    bend = nav.drag * relative * relative * per_height * (high_scale - low_scale)
-    return rate - 2.0 * nav.drag * shear * climb / speed, a, b + bend
+    growth = north * (wind_above[0] - wind_below[0]) + east * (wind_above[1] - wind_below[1])
+    slower = growth / (2.0 * REACH * speed) * climb
+    bend = nav.drag * (climb / scale_height) ** 2 * (above - below) / (2.0 * REACH)
+    return rate - 2.0 * nav.drag * slower / speed, a, b + bend
 
 
 @kernel

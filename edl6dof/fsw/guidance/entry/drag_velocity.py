@@ -23,7 +23,7 @@ from math import inf, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
-from edl6dof.fsw.guidance.entry.reference import last_controlled, range_control_end
+from edl6dof.fsw.guidance.entry.reference import last_controlled
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import record
@@ -167,7 +167,7 @@ def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: flo
         start_drag: drag of the planned entry where the profile begins, m/s2.
         profile: ``DRAG_VELOCITY`` record to fill.
     """
-    last = last_controlled(planned, range_control_end(onboard[0]["guidance"]["entry"]))
+    last = last_controlled(planned, onboard[0]["guidance"]["entry"])
     follow = planned[np.argmax(planned["drag"] >= start_drag) : last + 1]
     speed, drag = follow["speed"], follow["drag"]
     wanted = float(planned["beyond"][-1] - follow["beyond"][0])

@@ -143,18 +143,12 @@ def point_mass(onboard, h, v, gamma, bank):
 
 
 @kernel
-def range_control_end(entry):
-    """Speed (m/s) at which heading alignment or level wings end range control."""
-    return max(entry.align_speed, entry.heading.speed)
-
-
-@kernel
 def reference_bank(onboard, shift, speed):
     """Bank angle (rad) of the open-loop profile at ``speed`` (m/s), its cosine shifted by ``shift``, within
     the limits of all laws; zero in heading alignment, where the bank is to either side.
     """
     entry = onboard.guidance.entry
-    if speed <= range_control_end(entry):
+    if speed <= max(entry.align_speed, entry.heading.speed):
         return 0.0
     p = entry.reference_bank
     wanted = cos(bank_at(p.points, p.n_points, speed)) + shift
@@ -169,18 +163,15 @@ def node_of(reference, energy_speed):
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
-def last_controlled(planned: np.ndarray, slowest: float) -> int:
-    """Index of the first row of a plan at which range control has ended; the last row if it never ends.
-
-    ``slowest``: speed (m/s) at which it ends, :func:`range_control_end`.
-    """
-    ended = planned["speed"] <= slowest
+def last_controlled(planned: np.ndarray, entry: np.void) -> int:
+    """Index of the row of a plan at which heading alignment or level wings end range control, or the last."""
+    ended = planned["speed"] <= max(entry["align_speed"], entry["heading"]["speed"])
     return int(np.argmax(ended)) if ended.any() else len(planned) - 1
 
 
-def fill_reference(planned: np.ndarray, table: np.void, slowest: float) -> None:
-    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept. ``slowest``: speed (m/s) at
-    which range control ends.
+def fill_reference(planned: np.ndarray, table: np.void, end: int) -> None:
+    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept. ``end``: row at which range
+    control ends.
 
     The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
     another time in flight, leaves no step in the derivatives. The derivatives are those of the tabulated drag
@@ -194,7 +185,6 @@ def fill_reference(planned: np.ndarray, table: np.void, slowest: float) -> None:
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
     table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
-    end = last_controlled(planned, slowest)
     table["handover"], table["coast"] = u[end], planned["beyond"][-1] - planned["beyond"][end]
     columns = {
         "drag": drag,

@@ -29,11 +29,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import PrintedParams, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import (
-    believed_lift,
-    drag_dynamics_in_air,
-    uncertain_drag,
-)
+from edl6dof.fsw.guidance.entry.drag_dynamics import believed_lift, drag_dynamics_in_air, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
     ceiling,
@@ -216,13 +212,13 @@ def guide(params, plan, onboard, nav, memory, out):
         memory.t = nav.t
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     drag, lift_to_drag = max(nav.drag, 1e-3), believed_lift(onboard.vehicle, nav)
-    rate, _, _ = drag_dynamics_in_air(onboard, nav, 0.0)
+    rate, _, _ = drag_dynamics_in_air(onboard, nav)
     out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(plan, onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)
     error, error_rate = drag - goal, rate - goal_rate
     gravity = planet.mu / (planet.equatorial_radius * planet.equatorial_radius)
-    free, unknown, per_u = uncertain_drag(
+    dynamics = uncertain_drag(
         drag, rate, nav.speed, gravity, radius=planet.equatorial_radius, scale_height=scale_height
     )
     dt = clamp(nav.t - memory.t, 0.0, STEP_S)
@@ -234,7 +230,7 @@ def guide(params, plan, onboard, nav, memory, out):
         flown=lift_to_drag * cos(nav.bank),
         error=error,
         error_rate=error_rate,
-        dynamics=(free, unknown, per_u),
+        dynamics=dynamics,
         goal_free=goal_free,
         goal_per_u=goal_per_u,
     )

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
-from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, believed_lift, drag_dynamics_in_air
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics_in_air
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.range_update import tracking
@@ -69,8 +69,7 @@ def guide(params, plan, onboard, nav, memory, out):
     p, observer = params, memory.observer
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    lift = nav.drag * believed_lift(onboard.vehicle, nav)
-    _, a, b = drag_dynamics_in_air(onboard, nav, lift)
+    _, a, b = drag_dynamics_in_air(onboard, nav)
     observe(
         observer, p.epsilon, start=p.start_share * nav.drag, t=nav.t, drag=nav.drag, a=a, b=b, u=cos(nav.bank)
     )
