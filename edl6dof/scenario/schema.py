@@ -261,7 +261,9 @@ def start_of(scenario: Scenario) -> Start:
 
 
 def vertical_axes(scenario: Scenario) -> tuple[float, float, float, float]:
-    """Sines and cosines of latitude and longitude of the vertical that the initial velocity refers to."""
+    """Return sine and cosine of the latitude, and sine and cosine of the longitude, of the vertical that the
+    initial velocity refers to.
+    """
     planet, (lat, lon) = scenario.planet, scenario.initial.place
     vertical = lat
     if scenario.initial.vertical == "geocentric":

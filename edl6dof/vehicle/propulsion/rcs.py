@@ -64,7 +64,7 @@ class Thruster(Hardware):
 
     @property
     def full_flow_kg_s(self) -> float:
-        """Propellant flow at full thrust."""
+        """Propellant flow at full thrust, kg/s."""
         return self.thrust_n / (self.specific_impulse_s * G0)
 
 

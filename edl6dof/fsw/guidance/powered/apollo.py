@@ -32,7 +32,9 @@ def quadratic(miss, velocity, final, t_go):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p = params
     out.time_to_go = plan_arrival(p, _GAINS, 0.0, state, nav, target=target, plan=memory)
     t_go = max(out.time_to_go, p.time_floor)

@@ -174,7 +174,9 @@ def _carry(mu, r, q, gained, roll, time, P):
 
 @kernel
 def report_covariance(planet, P, solution):
-    """Write the standard deviations north, east and down of ``P`` into ``solution``."""
+    """Write the standard deviations of position (m), velocity (m/s) and attitude (rad) along north, east and
+    down, from the covariance ``P`` into ``solution``.
+    """
     s_lat, c_lat, s_lon, c_lon, _ = geodetic(
         planet.equatorial_radius, planet.flattening, take3(solution.r_I, 0)
     )

@@ -102,7 +102,7 @@ def bank_plan(params, onboard, nav, memory, bank, turn):
 
 @kernel
 def most_bank(params, entry):
-    """Value (rad) of the unknown with which the largest bank angle is flown to the end."""
+    """Return the bank unknown of the plan (rad) with which the largest bank angle is flown to the end."""
     return entry.bank_max + max(entry.bank_max - params.last_bank, 0.0)
 
 

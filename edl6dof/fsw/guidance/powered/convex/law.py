@@ -235,7 +235,9 @@ def error_of(landing, plan):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p, plan, landing = params, memory.plan, memory.landing
     elapsed = nav.t - memory.start
     if memory.plans == 0 or (elapsed >= p.plan_interval and plan.time - elapsed > p.last_plan):
