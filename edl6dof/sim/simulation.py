@@ -48,13 +48,13 @@ class SteppedFlight:
             self.__dict__.pop(name, None)
 
     def step(self, command: Command | None = None, cycles: int = 1) -> bool:
-        """Fly some base cycles of the flight software under a command; returns whether it still flies.
+        """Fly base cycles of the flight software under a command; return False at the end of the flight.
 
         Args:
             command: values by name, each of which replaces the value of the flight software for these cycles:
                 ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down), ``throttle`` (of full
                 thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each thruster, or by name),
-                ``isolate`` (names of thrusters to be used no more), ``safe_spot_m`` and ``coarse_spot_m``
+                ``isolate`` (names of thrusters to leave unused), ``safe_spot_m`` and ``coarse_spot_m``
                 (north and east of the landing site), ``estimate`` (``r_I_m``, ``v_I_m_s``, ``q_I2B``,
                 ``w_B_rad_s``, ``height_m``).
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
@@ -129,7 +129,7 @@ class SteppedFlight:
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """State of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
+        """Return the state of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found

@@ -49,5 +49,7 @@ class HeadingAlignmentParams(Params):
 
 @kernel
 def heading_bank(p, range_to_go, crossrange):
-    """Bank angle (rad) against the heading error towards the aim point; range and crossrange in m."""
+    """Return the bank angle (rad) that reduces the heading error towards the aim point; range and crossrange
+    in m.
+    """
     return clamp(-p.gain * atan2(crossrange, max(range_to_go, 1.0)), -p.limit, p.limit)

@@ -10,7 +10,7 @@ the aim point, the reversal is moved to the speed with the least miss of range a
 rolling through lift up adds range, the more the slower the vehicle rolls. Where the smallest bank angle ends
 short, smaller ones are allowed (:mod:`~edl6dof.fsw.guidance.entry.reach`). Where load or heat rate would
 exceed their limits, vertical lift is added until the altitude rate respects them. Sources: Lu 2014, "Entry
-guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV and V (range, altitude-rate
+guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), sections IV and V (range, altitude-rate
 feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017, "Verification of a fully
 numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216 (reversals by prediction).
 
@@ -270,4 +270,4 @@ def guide(params, plan, onboard, nav, memory, out):
     return within_limits(params, onboard, nav, bank)
 
 
-MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)
+MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3); Smith 2016", MEMORY)

@@ -1,9 +1,9 @@
-"""The bank-reversal logics, and the steering that all laws share: limits, side, heading alignment, level
-wings and bank rate turn the bank angle that a law wants into the commanded one.
+"""The bank-reversal logics, and the steering that all laws share: limits, sign, heading alignment, zero bank
+at the end, and bank rate turn the bank angle that a law demands into the commanded one.
 
-A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``: the side to bank to (+1
-right, -1 left), given the bank angle that the law wants (rad), the present side, and range and crossrange in
-``out``. ``params`` and ``memory`` belong to the member.
+A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``, which returns the sign of
+the bank angle (+1 right, -1 left). ``wanted`` is the bank angle that the law demands (rad), ``sign`` the
+present sign; ``out`` contains range and crossrange. ``params`` and ``memory`` belong to the member.
 
 Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range
 control, sign from the lateral logic; near the end range control stops and the bank angle removes the heading
