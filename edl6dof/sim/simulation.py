@@ -54,7 +54,7 @@ class SteppedFlight:
             command: values by name, each of which replaces the value of the flight software for these cycles:
                 ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down), ``throttle`` (of full
                 thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each thruster, or by name),
-                ``isolate`` (names of thrusters to leave unused), ``safe_spot_m`` and ``coarse_spot_m``
+                ``isolate`` (names of thrusters not to use), ``safe_spot_m`` and ``coarse_spot_m``
                 (north and east of the landing site), ``estimate`` (``r_I_m``, ``v_I_m_s``, ``q_I2B``,
                 ``w_B_rad_s``, ``height_m``).
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
