@@ -129,7 +129,9 @@ class SteppedFlight:
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """Return the state of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
+        """Return the state of the flight, without commands; :meth:`restore` and ``edl6dof fly --from`` read
+        it.
+        """
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
@@ -152,8 +154,8 @@ class SteppedFlight:
         self._commander.take_up()
 
     def flight(self) -> Flight:
-        """The flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last reset or
-        restore.  It shares its records with this flight: call again after the next step.
+        """Return the flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last
+        reset or restore. It shares its records with this flight: call the method again after the next step.
 
         Raises:
             ValueError: no telemetry is kept, or no cycle has been flown.
