@@ -81,7 +81,9 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """Return the observation, which contains only what the flight computers know, shape (flights, size)."""
+        """Return the observation, which contains only what the flight computers know; shape (flights,
+        size).
+        """
         columns = [feature.read(self.fleet.memories) for feature in self.features]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 

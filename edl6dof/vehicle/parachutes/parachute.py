@@ -205,7 +205,9 @@ def nominal_area(chute):
 
 @kernel
 def drag_efficiency(chute, mach):
-    """Drag over its value at low Mach number in the free stream, the loss in the wake included."""
+    """Return the drag divided by its value at low Mach number in the free stream, including the loss in the
+    wake.
+    """
     if chute.mach_efficiency.n_mach > 0:
         efficiency = tabulated(chute.mach_efficiency, mach)
     else:

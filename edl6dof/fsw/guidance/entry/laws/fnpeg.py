@@ -86,8 +86,9 @@ MEMORY = record(
 
 @kernel
 def bank_plan(params, onboard, nav, memory, bank, turn):
-    """Bank plan with magnitude ``bank`` (rad) now and the next reversal at speed ``turn`` (m/s); the excess
-    of ``bank`` over the largest bank angle is added to the last bank.
+    """Return the bank plan with the magnitude ``bank`` (rad) now and the next reversal at the speed ``turn``
+    (m/s). A magnitude above the largest bank angle is limited to it, and the excess is added to the last bank
+    angle of the plan.
     """
     now = min(bank, onboard.guidance.entry.bank_max)
     return linear(

@@ -34,8 +34,8 @@ class PredictiveParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once a reversal overshoots by at most ``ratio`` times the miss without
-    it.
+    """Return the side to bank to (+1 right, -1 left), which changes when the predicted crossrange miss after
+    a reversal now has the other sign and is at most ``ratio`` times the miss without reversal.
     """
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:

@@ -53,8 +53,8 @@ def limited(onboard, out, wanted):
 
 @kernel
 def chosen_side(bank_side, onboard, nav, memory, out, wanted):
-    """Side to bank to, first that of :func:`.aim_point.first_side`, then that of the reversal logic;
-    reversals are counted.
+    """Return the side to bank to: in the first call that of :func:`.aim_point.first_side`, later that of the
+    reversal logic. Reversals are counted.
     """
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
@@ -70,8 +70,9 @@ def chosen_side(bank_side, onboard, nav, memory, out, wanted):
 
 @kernel
 def steer_bank(bank_side, onboard, nav, memory, out, wanted):
-    """Write the commanded bank angle into ``out`` for the bank angle ``wanted`` by the law (rad; only
-    ``own_sign`` uses its sign). The rate limit moves the command through zero bank, never through lift down.
+    """Write the commanded bank angle into ``out``; ``wanted``: bank angle that the law demands (rad), whose
+    sign only ``own_sign`` uses. The rate limit changes the sign of the command through zero bank, never
+    through lift down.
     """
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:
