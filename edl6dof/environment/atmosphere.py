@@ -86,7 +86,7 @@ class AtmosphereParams(AtmosphereChoice):
         record=False,
         gt=0.0,
     )
-    density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
+    density_factor: float = param(1.0, "factor on density and pressure", gt=0.0, le=10.0)
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
 
     @model_validator(mode="after")

@@ -39,9 +39,9 @@ class EngineShortfallParams(Params):
     )
     lag_s: float = param(0.5, "lag of the filtered loss", status="estimate", gt=0.0)
     believed_from: float = param(
-        0.1, "loss, over the command, from which it is believed; 1: never", status="estimate", gt=0.0, le=1.0
+        0.1, "relative loss of thrust from which it is accepted; 1: never", status="estimate", gt=0.0, le=1.0
     )
-    most: float = param(0.5, "largest loss that is believed", status="estimate", ge=0.0, lt=1.0)
+    most: float = param(0.5, "largest loss that is accepted", status="estimate", ge=0.0, lt=1.0)
 
 
 ENGINE_SHORTFALL = record(
@@ -86,15 +86,22 @@ class StuckThrottleParams(Params):
     """Belief in a throttle that is stuck."""
 
     lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
-    settled_s: float = param(1.0, "time of deviation before it is believed", status="estimate", ge=0.0)
+    settled_s: float = param(
+        1.0, "duration of the deviation after which the throttle is judged stuck", status="estimate", ge=0.0
+    )
     believed_from: float = param(
-        0.2, "fall of the command without effect, over it, that is believed", status="estimate", gt=0.0
+        0.2,
+        "fall of the command without effect on the thrust, divided by the present command, "
+        "from which the throttle is judged stuck",
+        status="estimate",
+        gt=0.0,
     )
     over_from: float = param(
         0.4,
-        "thrust above its command, over the weight, from which it is believed: more than axial thrusters "
-        "and drag without a canopy give, less than an engine stuck at the lower end of its band has if it "
-        "stops the lander in the air",
+        "excess of the thrust over its command, divided by the weight, from which the "
+        "throttle is judged stuck: more than axial thrusters and drag without a canopy give, "
+        "less than an engine stuck at the lower end of its band has if it stops the lander in"
+        " the air",
         status="estimate",
         gt=0.0,
     )

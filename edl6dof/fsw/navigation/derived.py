@@ -185,10 +185,18 @@ class DragFilterParams(Params):
     """Fading memories of measured drag and speed."""
 
     time_constant_s: float = param(
-        1.0, "lag of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
+        1.0,
+        "time constant of the drag ratio; 0: drag and energy as measured",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
     )
     speed_time_constant_s: float = param(
-        10.0, "time constant of speed changes not by drag and gravity", status="estimate", gt=0.0, le=100.0
+        10.0,
+        "time constant with which the filtered speed follows changes that drag and gravity do not explain",
+        status="estimate",
+        gt=0.0,
+        le=100.0,
     )
     least_drag_m_s2: float = param(
         0.5, "drag below which drag and energy are as measured", status="estimate", gt=0.0

@@ -37,7 +37,7 @@ class GuardParams(Params):
     """Integrity checks of height, velocity and vertical."""
 
     below_ground: bool = param(True, "whether a height below the ground starts the recovery of the vertical")
-    jump: bool = param(True, "whether a height that jumps against the velocity is withheld")
+    jump: bool = param(True, "whether a height that contradicts the integrated velocity is withheld")
     speed: bool = param(True, "whether a speed that contradicts the beams starts the recovery")
     vertical: bool = param(True, "whether echoes from above the horizon start the recovery")
     margin_m: float = param(

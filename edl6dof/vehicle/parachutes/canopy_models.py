@@ -84,7 +84,11 @@ class DiskGapBandParams(Hardware):
         gt=0.0,
     )
     inflation_exponent: float = param(
-        4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+        4.0,
+        "exponent of the growth of the drag area with time",
+        status="published",
+        source="MSL, Cruz et al. 2013",
+        gt=0.0,
     )
     opening_load_factor: float = param(
         1.344,
@@ -157,7 +161,7 @@ class ReefingStage(Hardware):
 
     drag_area_ratio: float = param(
         REQUIRED,
-        "drag area at the end of the stage over that of the open canopy",
+        "drag area at the end of the stage, divided by that of the open canopy",
         gt=0.0,
         le=1.0,
         usual=(0.01, 1, "reefed canopies"),
@@ -192,7 +196,7 @@ class ReefedParams(Hardware):
     )  # fmt: skip
     filling_exponent: float = param(
         1.0,
-        "growth of the drag area with time: 1 ribbon, 2 solid cloth",
+        "exponent of the growth of the drag area with time: 1 ribbon, 2 solid cloth",
         status="recalled",
         source="Knacke 1991",
         ge=0.5,

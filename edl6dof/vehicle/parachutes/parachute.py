@@ -141,7 +141,7 @@ class ParachuteParams(ParachuteChoice, Hardware):
     trim_angle_deg: float = param(
         8.0, "canopy angle of attack at which the normal force vanishes", status="estimate", ge=0.0, le=30.0
     )
-    drag_factor: float = param(1.0, "drag over its table value", gt=0.0)
+    drag_factor: float = param(1.0, "true drag divided by its nominal value", gt=0.0)
     pack: str | None = param(
         None, "part that is the packed parachute; none: its deployment is only recorded", record=False
     )

@@ -51,8 +51,10 @@ class EngineParams(EngineChoice, Hardware):
         0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0, usual=(-2, 2, "mounted engines")
     )
     draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
-    thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
-    specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)
+    thrust_factor: float = param(1.0, "delivered thrust divided by commanded thrust", gt=0.0, le=1.5)
+    specific_impulse_factor: float = param(
+        1.0, "true specific impulse divided by its nominal value", gt=0.0, le=1.5
+    )
 
     @field_validator("direction")
     @classmethod

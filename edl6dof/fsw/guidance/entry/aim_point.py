@@ -42,7 +42,9 @@ def first_side(out):
 class HeadingAlignmentParams(Params):
     """Heading alignment: below a speed, bank against the heading error instead of controlling range."""
 
-    speed_m_s: float = param(0.0, "speed below which it replaces range control; 0: never", ge=0.0)
+    speed_m_s: float = param(
+        0.0, "speed below which heading alignment replaces range control; 0: never", ge=0.0
+    )
     gain: float = param(20.0, "bank angle per heading error", ge=0.0, le=1000.0)
     limit_deg: float = param(30.0, "largest bank angle of heading alignment", ge=0.0, le=90.0)
 

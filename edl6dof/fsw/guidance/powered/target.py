@@ -42,10 +42,13 @@ class PoweredTargetParams(Params):
         usual=(0.5, 1000, "airbags cut loose to hover"),
     )
     time_factor: float = param(
-        1.0, "expected duration over that of a constant deceleration", status="estimate", gt=0.2, le=3.0
+        1.0, "expected duration divided by that of a constant deceleration", status="estimate", gt=0.2, le=3.0
     )
     drift_share: float = param(
-        0.33, "share of velocity times expected duration by which the target leads the lander", ge=0.0, le=1.0
+        0.33,
+        "distance of the target ahead of the lander, as a share of velocity times expected duration",
+        ge=0.0,
+        le=1.0,
     )
     divert_m: float = param(
         120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0

@@ -38,7 +38,7 @@ class DeadReckoningParams(Params):
         1e-3, "standard deviation of the error of the gravity model", status="estimate", ge=0.0, le=1.0
     )
     unknown_rate_deg_s: float = param(
-        5.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
+        5.0, "standard deviation of the rate during a gap of the gyros", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
         5.0, "standard deviation of the specific force while unknown", status="estimate", ge=0.0, le=1000.0

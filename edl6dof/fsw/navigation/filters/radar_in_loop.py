@@ -38,11 +38,11 @@ class RadarInLoopParams(Params):
         10.0, "time from the first echo until radar and solution are compared", status="estimate", ge=0.0
     )
     agree_s: float = param(
-        1.0, "time of agreement after which the radar enters the loop", status="estimate", ge=0.0
+        1.0, "time of agreement after which the radar corrects the solution", status="estimate", ge=0.0
     )
     patience_s: float = param(
         5.0,
-        "time of contradiction after which the radar enters the loop in any case",
+        "time of contradiction after which the radar corrects the solution in any case",
         status="recalled",
         source="ESA DG-I/2017/546/TTN",
         ge=0.0,

@@ -48,7 +48,12 @@ class FnpegParams(Params):
     )
     tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
     authority_m: float = param(
-        200.0, "range that bank must span in order to be corrected", status="design", ge=0.0, le=100e3
+        200.0,
+        "least change of range, from the smallest to the largest bank angle, at which the "
+        "bank angle is still corrected",
+        status="design",
+        ge=0.0,
+        le=100e3,
     )
     start_drag_m_s2: float = param(
         0.3, "drag at which correction begins; before, the first plan is flown", ge=0.0
@@ -60,12 +65,16 @@ class FnpegParams(Params):
     lift_time_s: float = param(
         3.0, "time in which lift corrects too low an altitude rate", status="design", gt=0.0, le=100.0
     )
-    reversals: int = param(3, "reversals planned", ge=0, le=10)
+    reversals: int = param(3, "number of planned reversals", ge=0, le=10)
     spacing: float = param(
-        0.55, "first guess of the speed of a reversal over the one before", status="design", gt=0.0, lt=1.0
+        0.55,
+        "first guess of the speed of a reversal, divided by that of the reversal before",
+        status="design",
+        gt=0.0,
+        lt=1.0,
     )
     stretch: bool = param(
-        True, "whether bank may be below bank_min_deg where range is short", status="design"
+        True, "whether the bank angle may be below bank_min_deg when range is short", status="design"
     )
     heading_speed_m_s: float | None = param(
         None, "this law's own value of heading.speed_m_s", status="design", record=False, ge=0.0, le=10e3

@@ -24,10 +24,13 @@ class PredictiveParams(Params):
     """Predictive bank reversal."""
 
     ratio: float = param(
-        0.5, "predicted crossrange of a reversal now over that without, at which to reverse", gt=0.0, lt=1.0
+        0.5,
+        "predicted crossrange with a reversal now, divided by that without, at which the reversal is made",
+        gt=0.0,
+        lt=1.0,
     )
     dead_zone_m: float = param(
-        500.0, "predicted crossrange without reversal up to which none is made", ge=0.0, le=100e3
+        500.0, "predicted crossrange without reversal up to which no reversal is made", ge=0.0, le=100e3
     )
     least_drag_m_s2: float = param(1.0, "drag below which no reversal is made", ge=0.0)
 
