@@ -70,7 +70,7 @@ NAV = record(
     ("flight_path_angle", "f8"),
     ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
     ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
-    ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
+    ("site_L", "f8", (3,)),  # m, L: position relative to the landing site: east, north, up
     ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
     # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
     ("beta", "f8"),
