@@ -5,7 +5,8 @@ The comparison gives mean and standard deviation of a figure over dispersed flig
 flown value in standard deviations, and the percentile of the flown value among the flights.  The standard
 deviations combine that of a single flight, because the real flight was one random draw, with that of the
 flown value if it is published.  :mod:`.agreement` describes the statistics of all values together.  A value
-that was planned, that the scenario commands, or that repeats another one is shown but not counted.
+that was planned, that the scenario commands, that repeats another one, or whose source was not at hand is
+shown but not counted.
 """
 
 from __future__ import annotations
@@ -128,6 +129,8 @@ def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) ->
     return [nan if value is None else published.of(float(value)) for value in values]
 
 
+#: Status of a published value whose source was not at hand.
+RECALLED = "recalled"
 #: Standard deviations beyond which a flown value is marked.
 WITHIN = 3.0
 
@@ -147,8 +150,14 @@ class Predicted(NamedTuple):
 
     @property
     def counted(self) -> bool:
-        """True if the published value is a flown value that flights can predict."""
-        return self.published.counted
+        """True if the published value is a flown value that flights can predict, from a source at hand."""
+        return not self.published.required and self.evidence == "flown"
+
+    @property
+    def evidence(self) -> str:
+        """Kind of evidence of the published value; a flown value quoted from memory is ``recalled``."""
+        own = self.published.evidence
+        return RECALLED if own == "flown" and self.status == RECALLED else own
 
     @property
     def sigmas(self) -> float:

@@ -22,7 +22,7 @@ from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
 from edl6dof.metrics.published import Evidence
 from edl6dof.missions.agreement import DECIDES, LEVELS, coverage, is_calibrated
-from edl6dof.missions.mission import WITHIN, Compared, Predicted, percentiles
+from edl6dof.missions.mission import RECALLED, WITHIN, Compared, Predicted, percentiles
 from edl6dof.report.document import significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
@@ -77,7 +77,7 @@ def remark(one: Predicted) -> str:
     """
     if one.published.required:
         return f"{100.0 * one.share:.3g} % meet" if isfinite(one.share) else "not reached"
-    verdict = ("" if one.inside else OUTSIDE) if one.counted else one.published.evidence
+    verdict = ("" if one.inside else OUTSIDE) if one.counted else one.evidence
     return ", ".join(filter(None, (verdict, FITTED if one.fitted else "")))
 
 
@@ -142,8 +142,8 @@ def _coverages(places: Sequence[float]) -> str:
 
 def _not_counted(predicted: Sequence[Predicted]) -> str:
     """Return the numbers of values that are not counted, by reason; empty if there are none."""
-    found = Counter(one.published.evidence for one in predicted if not one.published.required)
-    words = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
+    found = Counter(one.evidence for one in predicted if not one.published.required)
+    words = ", ".join(f"{found[kind]} {kind}" for kind in (*get_args(Evidence)[1:], RECALLED) if found[kind])
     return f"; not counted: {words}" if words else ""
 
 
@@ -231,7 +231,7 @@ def _plain(one: Predicted) -> dict[str, Any]:
         "kind": next(kind for kind in kinds if getattr(published, kind) is not None),
         "published_sigma": published.sigma,
         "status": one.status,
-        "evidence": None if published.required else published.evidence,
+        "evidence": None if published.required else one.evidence,
         "calibrated_on": one.fitted,
         "sigmas": None if published.required or published.planned else one.sigmas,
         "share": one.share,

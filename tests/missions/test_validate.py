@@ -34,7 +34,7 @@ initial:
    flight_path_angle_deg: -80.0, azimuth_deg: 0.0}}
 published:
   peak_dynamic_pressure_pa: {{value: {pressure}, sigma: 0.5, because: "a made-up value"}}   # [P] nowhere
-  touchdown_s: 100.0                                                                   # [R] never reached
+  touchdown_s: 100.0                                                                   # [D] never reached
   heat_load_j_cm2: {{at_most: 1000.0}}                                                  # [P] a requirement
 campaign:
   cases: 5
@@ -116,13 +116,24 @@ def test_what_is_no_evidence_is_shown_and_not_counted(drop):
     planned = told("planned")
     pressure, mach, required = planned.predicted
     assert cells(pressure)[2:] == ("", "9.7 +- 0.5", "[P]", "", "", "planned")
-    assert cells(mach)[2:] == ("5", "", "[R]", "-inf", "", "commanded")
+    assert cells(mach)[2:] == ("5", "", "[D]", "-inf", "", "commanded")
     assert cells(required)[2:4] == ("<= 1000", "")
     assert planned.counted == [] and causes(planned) == [] and percentiles([planned]) == []
     assert outcome([planned]) == "no flown value counts; not counted: 1 planned, 1 commanded"
     table = list(csv.DictReader(to_csv([planned]).splitlines()))
     assert [one["evidence"] for one in table] == ["planned", "commanded", ""]
     assert {one["inside"] for one in table} == {""} and table[0]["sigmas"] == ""
+
+
+def test_a_value_quoted_from_memory_does_not_count(drop):
+    path = drop(9.7)
+    path.write_text(path.read_text().replace("# [P] nowhere", "# [R] from memory"))
+    recalled = compare(
+        load_mission(str(path)), [{"peak_dynamic_pressure_pa": 19.0, "success": True, "cause": ""}]
+    )
+    assert cells(recalled.predicted[0])[4:] == ("[R]", "+18.6", "", "recalled")
+    assert [one.figure.name for one in recalled.counted] == ["touchdown_s"]
+    assert outcome([recalled]).endswith("; not counted: 1 recalled")
 
 
 def test_a_requirement_is_no_evidence():
@@ -206,7 +217,7 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     }
     rows = list(csv.DictReader((folder / "validation.csv").open(encoding="utf-8")))
     assert [row["figure"] for row in rows] == ["peak_dynamic_pressure_pa", "touchdown_s", "heat_load_j_cm2"]
-    assert [row["status"] for row in rows] == ["published", "recalled", "published"]
+    assert [row["status"] for row in rows] == ["published", "derived", "published"]
     found = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
     figures = {one["figure"]: one for one in found["missions"][0]["figures"]}
     assert (found["flown_values"], found["calibrated"]) == (2, True)
