@@ -10,10 +10,10 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.base import Params
-from edl6dof.config.document.document import Document
+from edl6dof.config.document.document import Document, unknown_entry
 from edl6dof.config.document.source import INCLUDES, Mark, include
 from edl6dof.config.document.yamltree import REPLACE, Keys, dotted, parse_yaml
-from edl6dof.config.errors import ConfigError, Problem, did_you_mean
+from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, root_slot
 from edl6dof.config.wording import got, unknown_key
 
@@ -72,6 +72,8 @@ def _with(
     """A copy with changes: path, value for ``read`` to convert, and the place where the value was given."""
     result, problems = document.copy(), list[Problem]()
     for path, given, mark in changes:
+        if any(path.strip().startswith(f"{dotted(unread)}.") for unread in result.refused):
+            continue  # its place is not known
         try:
             _set(result, path.strip().split("."), read(given), mark, model)
         except _Refused as error:
@@ -172,7 +174,7 @@ def _index(items: list[Any], part: str) -> int:
         raise _Refused(f"no entry {part}: the list has {len(items)}, counted from 0")
     known = [str(name) for name in names if name is not None]
     otherwise = f"; names: {', '.join(known)}" if known else "; use its index, from 0"
-    raise _Refused(f"no entry named {part!r}{did_you_mean(part, known, otherwise)}")
+    raise _Refused(unknown_entry(part, known, otherwise))
 
 
 def _default(slot: Slot) -> Any:
