@@ -26,25 +26,24 @@ _FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
 
 
 class EntryBank(Task):
-    """Action: bank angle divided by 105 deg.  Reward: at the end 1 less the miss divided by 20 km, or -1 if
-    the parachute may not open there.
-    """
+    """Reward: at the end 1 less the miss divided by 20 km, or -1 if the parachute may not open there."""
 
     title = "bank angle of the entry"
+    action = "bank angle / 105 deg (flight_software.guidance.entry.bank_max_deg)"
     size = 1
     role = LIFT
     interval_s, longest_s = 1.0, 300.0
     features = (
-        Feature("altitude", 50e3, "nav.altitude"),
-        Feature("speed", 5000.0, "nav.speed"),
-        Feature("flight_path_angle", 0.3, "nav.flight_path_angle"),
-        Feature("drag", 60.0, "nav.drag"),
-        Feature("bank", pi, "nav.bank"),
-        Feature("range_to_go", 300e3, "guide.range_to_go"),
-        Feature("crossrange", 20e3, "guide.crossrange"),
-        Feature("downrange_to_go", 300e3, "guide.downrange_to_go"),
-        Feature("drag_ratio", 2.0, "guide.drag_ratio"),
-        Feature("lift_ratio", 2.0, "guide.lift_ratio"),
+        Feature("altitude", 50e3, "m", "nav.altitude"),
+        Feature("speed", 5000.0, "m/s", "nav.speed"),
+        Feature("flight_path_angle", 0.3, "rad", "nav.flight_path_angle"),
+        Feature("drag", 60.0, "m/s2", "nav.drag"),
+        Feature("bank", pi, "rad", "nav.bank"),
+        Feature("range_to_go", 300e3, "m", "guide.range_to_go"),
+        Feature("crossrange", 20e3, "m", "guide.crossrange"),
+        Feature("downrange_to_go", 300e3, "m", "guide.downrange_to_go"),
+        Feature("drag_ratio", 2.0, "", "guide.drag_ratio"),
+        Feature("lift_ratio", 2.0, "", "guide.lift_ratio"),
     )
 
     @property
@@ -90,11 +89,12 @@ def thrust_axis(memories: np.ndarray) -> np.ndarray:
 
 
 class PoweredDescent(Task):
-    """Action: acceleration of thrust beyond weight, north, east and up, divided by 5 m/s2.  Reward: decrease
-    of the distance from rest on the ground, at the end 1 for a landing within limits, -1 for any other end.
+    """Reward: decrease of the distance from rest on the ground, at the end 1 for a landing within limits, -1
+    for any other end.
     """
 
     title = "powered descent by the thrust vector"
+    action = "acceleration of thrust beyond weight, north, east, up / 5 m/s2"
     size = 3
     overrides = {
         "mission.phases.powered_deceleration.transitions": [_CONTACT],
@@ -105,14 +105,14 @@ class PoweredDescent(Task):
     role, later_s = POWERED_DECELERATION, 0.6
     interval_s, longest_s = 0.2, 180.0
     features = (
-        Feature("height", 1000.0, "nav.height"),
-        Feature("height near the ground", 20.0, "nav.height"),
-        Feature("v_N", 50.0, "nav.v_N", 3),
-        Feature("v_N near rest", 2.0, "nav.v_N", 3),
-        Feature("thrust_axis", 1.0, thrust_axis, 3),
-        Feature("rates", 0.3, "nav.w_B", 3),
-        Feature("mass", 1000.0, "vehicle.mass"),
-        Feature("thrust", 7500.0, "guide.thrust"),
+        Feature("height", 1000.0, "m", "nav.height"),
+        Feature("height near the ground", 20.0, "m", "nav.height"),
+        Feature("v_N", 50.0, "m/s", "nav.v_N", 3),
+        Feature("v_N near rest", 2.0, "m/s", "nav.v_N", 3),
+        Feature("thrust_axis", 1.0, "", thrust_axis, 3),
+        Feature("rates", 0.3, "rad/s", "nav.w_B", 3),
+        Feature("mass", 1000.0, "kg", "vehicle.mass"),
+        Feature("thrust", 7500.0, "N", "guide.thrust"),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
@@ -177,20 +177,25 @@ def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class HazardDivert(Task):
-    """Action: spot east and north of the middle of the map, 1 at its edges.  Reward: at the end 1 for a
-    landing within limits, those of the ground included, and -1 for any other.
-    """
+    """Reward: at the end 1 for a landing within limits, those of the ground included, -1 for any other."""
 
     title = "spot to land on, among rocks and craters"
+    action = "spot east and north of the middle of the map / half width of the map"
     size = 2
     scenario = "tianwen1_hazards"
     role = HAZARD_AVOIDANCE
     interval_s, longest_s = 1.0, 180.0
     features = (
-        Feature("clearance", _CLEAR_M, clearances, _CELLS * _CELLS),
-        Feature("place", 1.0, lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]), 2),
-        Feature("height", 100.0, "nav.height"),
-        Feature("v_N", 3.0, "nav.v_N", 3),
+        Feature("clearance", _CLEAR_M, "m", clearances, _CELLS * _CELLS),
+        Feature(
+            "place",
+            1.0,
+            "half width of the map",
+            lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]),
+            2,
+        ),
+        Feature("height", 100.0, "m", "nav.height"),
+        Feature("v_N", 3.0, "m/s", "nav.v_N", 3),
     )
 
     def command(self, actions: np.ndarray) -> None:
@@ -216,9 +221,9 @@ def _one_dead(phase: str, names: Sequence[str]) -> tuple[dict[str, Any], ...]:
 
 
 _ATTITUDE = (
-    Feature("attitude_error", 0.5, "demand.attitude_error", 3),
-    Feature("rates", 0.2, "nav.w_B", 3),
-    Feature("duties", 1.0, lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
+    Feature("attitude_error", 0.5, "rad", "demand.attitude_error", 3),
+    Feature("rates", 0.2, "rad/s", "nav.w_B", 3),
+    Feature("duties", 1.0, "", lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
 )
 
 
@@ -232,19 +237,19 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Action: duty of each thruster, -1 for never and 1 for always open, from the release of the backshell
-    on.  Reward: 0.01 (1 - attitude error (rad) - body rate (rad/s)) in each step, -1 where attitude is lost.
+    """Reward: 0.01 (1 - attitude error (rad) - body rate (rad/s)) in each step, -1 where attitude is lost.
     Success: after 30 s the thrust axis points where guidance wants it.
     """
 
     title = "attitude of powered descent by single thrusters, one of which is dead"
+    action = "2 x duty - 1 of each thruster: -1 never open, 1 always; from the release of the backshell on"
     size = _THRUSTERS
     faults = _one_dead(POWERED_DECELERATION, FAILING)
     role = POWERED_DECELERATION
     interval_s, longest_s = 0.04, 60.0
     #: s after which it is over; rad and rad/s within which it is done; rad beyond which attitude is lost.
     ends_s, error, rate, lost = 30.0, 0.1, 0.05, 1.0
-    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "disturbance.torque", 3))
+    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "N m", "disturbance.torque", 3))
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
@@ -276,21 +281,27 @@ class DeadThruster(_ThrusterFault):
 
 
 class FaultDiagnosis(_ThrusterFault):
-    """Action: 0 to wait, or the number of a thruster to take out of use, which ends the episode.  Reward: 1
-    less 0.05 for each second, but at least 0.1, if this thruster has failed; -1 if not.
+    """Reward: 1 less 0.05 for each second, but at least 0.1, if this thruster has failed; -1 if not.
 
     A bank reversal, which uses the thrusters, comes some seconds after the beginning.  Fault isolation of the
     flight software is at work, too; the duties show what it has taken out of use.
     """
 
     title = "which thruster is dead"
+    action = "0 to wait, or the number of a thruster to take out of use, which ends the episode"
     faults = _one_dead(LIFT, FAILING)
     role, later_s = LIFT, 50.0
     interval_s, longest_s = 0.2, 60.0
     features = (
         *_ATTITUDE,
-        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"][:, 1:], 5),
-        Feature("imu_rates", 0.2, "nav.imu_rate_B", 3),
+        Feature(
+            "unexplained",
+            200.0,
+            "N or N m",
+            lambda memories: memories["disturbance"]["unexplained"][:, 1:],
+            5,
+        ),
+        Feature("imu_rates", 0.2, "rad/s", "nav.imu_rate_B", 3),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):

@@ -9,6 +9,10 @@ from itertools import count
 import pytest
 
 from edl6dof.cli.inspection import check_files
+from edl6dof.config.document.source import read_document, resolve_scenario
+from edl6dof.config.document.yamltree import dotted
+from edl6dof.config.errors import ConfigError
+from edl6dof.scenario.loading import load_document
 
 #: Mistakes laid over tianwen1 (over tianwen1_mc if there is a campaign), each with the key of its message.
 PAIRS = {
@@ -23,7 +27,10 @@ PAIRS = {
         ({"vehicle": {"engines": {"main": {"throttle_min_n": 8000.0}}}}, "engines.0.throttle_min_n:"),
     ],
     "components of events": [
-        ({"mission": {"phases": {"lift": {"events": {"trim_wing": {"component": "wing"}}}}}}, "events.0.component:"),
+        (
+            {"mission": {"phases": {"lift": {"events": {"trim_wing": {"component": "x"}}}}}},
+            "events.0.component:",
+        ),
         ({"mission": {"phases": {"parachute": {"thrusters": ["axiall"]}}}}, "mission.phases.3.thrusters.0:"),
         ({"terrain": {"site_latitude_deg": 300}}, "terrain.site_latitude_deg:"),
         ({"flight_software": {"check_out": {"thrusters": ["Z9"]}}}, "check_out.thrusters.0:"),
@@ -63,7 +70,7 @@ PAIRS = {
         ({"simulation": {"time_limit": 5}}, "simulation.time_limit:"),
     ],
     "phases": [
-        ({"mission": {"phases": {"lift": {"hold_alpha": True, "control": "thrust_vector"}}}}, "phases.1.hold_alpha:"),
+        ({"mission": {"phases": {"lift": {"hold_alpha": True, "control": "off"}}}}, "phases.1.hold_alpha:"),
         ({"mission": {"goal": "event", "goal_event": "touch"}}, "mission.goal_event:"),
         ({"flight_software": {"hazard": {"detection": "plane_fitt"}}}, "hazard.detection:"),
         ({"wind": {"gusts": 3}}, "wind.gusts:"),
@@ -115,3 +122,23 @@ def test_a_check_that_needs_a_refused_value_waits(tmp_path, capsys):
     assert check_files([str(file)], []) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "flight_software.rates.base_hz: must be" in line
+
+
+def test_a_refused_value_has_no_message_elsewhere():
+    """Every tenth number of tianwen1 in turn is text."""
+    base = read_document(resolve_scenario("tianwen1"))
+    del base.data["calibration"]
+    numbers = [keys for keys in base.marks if isinstance(value_at(base.data, keys), float)]
+    assert len(numbers) > 300
+    for keys in numbers[::10]:
+        document = base.copy()
+        value_at(document.data, keys[:-1])[keys[-1]] = "text"
+        with pytest.raises(ConfigError) as caught:
+            load_document(document)
+        assert {problem.path for problem in caught.value.problems} == {dotted(keys)}
+
+
+def value_at(data, keys):
+    for key in keys:
+        data = data.get(key) if isinstance(data, dict) else data[key] if isinstance(data, list) else None
+    return data
