@@ -151,23 +151,25 @@ def parachute(motion: Motion) -> Spheres | None:
 
 def steady(motion: Motion, kept: Spheres) -> Spheres:
     """Return spheres that contain ``kept``, with smooth changes of radius and of place from the vehicle."""
-    from scipy.ndimage import maximum_filter1d, uniform_filter1d  # takes a fifth of a second to load
-
     shift, width = kept.centre - motion.centre, _rows_of_change(motion.t)
     calm = blend(motion.t, shift)
     needed = kept.radius + np.linalg.norm(calm - shift, axis=-1)
     # the mean of the largest radii around a row is at least the row's own radius
-    largest = maximum_filter1d(needed, width, mode="nearest")
-    return Spheres(motion.centre + calm, np.exp(uniform_filter1d(np.log(largest), width, mode="nearest")))
+    largest = _around(needed, width).max(axis=-1)
+    return Spheres(motion.centre + calm, np.exp(_around(np.log(largest), width).mean(axis=-1)))
 
 
 def blend(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return values, shape (rows,) or (rows, n), smoothed over the time that a camera takes to change."""
-    from scipy.ndimage import uniform_filter1d
-
     for _ in range(2):
-        values = uniform_filter1d(values, _rows_of_change(t), axis=0, mode="nearest")
+        values = _around(values, _rows_of_change(t)).mean(axis=-1)
     return values
+
+
+def _around(values: np.ndarray, width: int) -> np.ndarray:
+    """View of the ``width`` (odd) rows around each row, on a last axis; the end rows are repeated."""
+    ends = ((width // 2, width // 2),) + ((0, 0),) * (values.ndim - 1)
+    return np.lib.stride_tricks.sliding_window_view(np.pad(values, ends, mode="edge"), width, axis=0)
 
 
 def _rows_of_change(t: np.ndarray) -> int:

@@ -19,7 +19,7 @@ DRAG = 1.5
 #: Slowest entry that is estimated, and speed at which it ends, m/s.
 FAST, SLOW = 1500.0, 300.0
 #: Step (s), and longest entry.
-STEP, LONGEST = 0.5, 3000.0
+STEP, LONGEST = 2.0, 3000.0
 #: Margins: share of the range, and metres.
 SHARE, METRES = 0.1, 20e3
 
