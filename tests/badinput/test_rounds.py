@@ -54,12 +54,12 @@ PAIRS = {
     "campaign": [
         ({"campaign": {"cases": "many"}}, "campaign.cases:"),
         ({"campaign": {"truth": {"vehicle.mass.entry_kgs": {"kind": "normal", "sigma": 1}}}}, "entry_kgs:"),
-        ({"campaign": {"truth": {"wind.scale": {"kind": "normall", "sigma": 1}}}}, "wind.scale.kind:"),
+        ({"campaign": {"truth": {"wind.scale": {"kind": "uniforme", "sigma": 1}}}}, "wind.scale.kind:"),
         ({"terrain": {"model": "plain"}}, "terrain.model:"),
     ],
     "no such vehicle": [
         ({"vehicle": "tianwen"}, "vehicle: no such file"),
-        ({"planet": "marz"}, "planet: no such file"),
+        ({"planet": "marss"}, "planet: no such file"),
         ({"simulation": {"step_s": 0.013}}, "simulation.step_s:"),
         ({"seed": -1}, "seed:"),
     ],

@@ -53,18 +53,18 @@ def test_named_items_are_laid_over_those_of_the_base_and_new_ones_follow(tmp_pat
 
 def test_an_item_of_a_similar_name_with_fewer_keys_is_noted(tmp_path):
     """One with all keys of the other is meant to be new."""
-    assert extended(tmp_path, "chutes: [{name: mian, area: 3}]").similar == {("chutes", 2): "main"}
-    assert not extended(tmp_path, "chutes: [{name: mian, area: 3, lines: 4}]").similar
+    assert extended(tmp_path, "chutes: [{name: maain, area: 3}]").similar == {("chutes", 2): "main"}
+    assert not extended(tmp_path, "chutes: [{name: maain, area: 3, lines: 4}]").similar
     assert not extended(tmp_path, "chutes: [{name: pilot, area: 3}]").similar
-    assert not extended(tmp_path, "chutes: !replace [{name: mian, area: 3}]").similar
+    assert not extended(tmp_path, "chutes: !replace [{name: maain, area: 3}]").similar
 
 
 def test_a_mapping_cannot_add_an_item(tmp_path):
-    document = extended(tmp_path, "chutes: {mian: {area: 3}, drogue: {area: 2}}")
+    document = extended(tmp_path, "chutes: {maain: {area: 3}, drogue: {area: 2}}")
     assert [item["area"] for item in document.data["chutes"]] == [2, 5]
     ((path, (found,)),) = document.refused.items()
     assert (path, found.line, found.message) == (
-        ("chutes", "mian"), 2, "no entry named 'mian'; did you mean 'main'?"
+        ("chutes", "maain"), 2, "no entry named 'maain'; did you mean 'main'?"
     )  # fmt: skip
 
 
