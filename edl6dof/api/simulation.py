@@ -141,7 +141,7 @@ class Simulation(SteppedFlight):
         return self.look_ahead()
 
     def flight(self) -> Flight:
-        """The flight so far; see :meth:`SteppedFlight.flight`."""
+        """Return the flight so far; see :meth:`SteppedFlight.flight`."""
         return Flight.of(super().flight())
 
 

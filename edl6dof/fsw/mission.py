@@ -96,7 +96,9 @@ class Event(Params):
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "action of the event", record=False)
     component: Key = param(
-        REQUIRED, "object: a part, parachute, engine or surface of the vehicle, or landing_gear", record=False
+        REQUIRED,
+        "part, parachute, engine or surface of the vehicle that the event acts on, or landing_gear",
+        record=False,
     )
     delay_s: float = param(
         0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0

@@ -64,7 +64,6 @@ class Task(ABC):
     """A task to learn, flown by all flights of a fleet."""
 
     title: str
-    action: str  # meaning, unit and scale of its numbers
     scenario: str = "tianwen1_mc"  # scenario or campaign that episodes are taken from
     overrides: Mapping[str, Any] = {}  # changes of the scenario
     faults: tuple[Mapping[str, Any], ...] = ()  # each flight has one of these
@@ -80,10 +79,10 @@ class Task(ABC):
         self.roles = np.array(loaded.scenario.phase_roles)
 
     def __str__(self) -> str:
-        """Observation and action with units and scales, and reward."""
+        """Observation with scales and units, action and reward."""
         seen = "".join(f"\n  {feature}" for feature in self.features)
         about = " ".join((self.__doc__ or "").split())
-        return f"{self.title}\nobservation:{seen}\naction: {self.action}\n{about}"
+        return f"{self.title}\nobservation:{seen}\n{about}"
 
     @property
     def observation_space(self) -> spaces.Space:
@@ -97,13 +96,15 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """Observation of the knowledge of the flight computers, without truth, shape (flights, size)."""
+        """Return the observation, which contains only what the flight computers know; shape (flights,
+        size).
+        """
         columns = [feature.read(self.fleet.memories) for feature in self.features]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 
     def allowed(self, actions: Any) -> np.ndarray:
-        """Actions of a policy as the task takes them, one for each flight: a number beyond its bound counts
-        as the bound.
+        """Return the actions of a policy as the task uses them, one for each flight; a number beyond its
+        bound is replaced by the bound.
 
         Raises:
             ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
@@ -151,8 +152,8 @@ class Task(ABC):
         return ~self.fleet.flying
 
     def landing(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Flights that have ended, those that landed within limits, and a reward of 1 for these and -1 for
-        the others that have ended, each shape (flights,).
+        """Return three arrays of shape (flights,): True for flights that have ended, True for those that
+        landed within limits, and the reward, which is 1 for these and -1 for the others that have ended.
         """
         over, success = self.ended(), self.fleet.landed_well(self.loaded.scenario.limits)
         return over, success, np.where(over, np.where(success, 1.0, -1.0), 0.0)

@@ -26,10 +26,12 @@ _FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
 
 
 class EntryBank(Task):
-    """Reward: at the end 1 less the miss divided by 20 km, or -1 if the parachute may not open there."""
+    """Entry guidance. The action is the bank angle divided by 105 deg. The reward is given at the end: 1
+    minus the miss divided by 20 km, or -1 if the state at mortar fire violates a limit or the flight has
+    ended before.
+    """
 
     title = "bank angle of the entry"
-    action = "bank angle / 105 deg (flight_software.guidance.entry.bank_max_deg)"
     size = 1
     role = LIFT
     interval_s, longest_s = 1.0, 300.0
@@ -80,7 +82,7 @@ _DOWN = {"when": [{"quantity": "phase_time_s", "crosses": "above", "value": 3.0}
 
 
 def thrust_axis(memories: np.ndarray) -> np.ndarray:
-    """Direction of the thrust axis (-x of B), north, east and up, shape (flights, 3)."""
+    """Return the direction of the thrust axis (-x of B), north, east and up, shape (flights, 3)."""
     navigated = memories["nav"]
     w, x, y, z = np.moveaxis(navigated["q_I2B"], -1, 0)
     axis = -np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)], axis=-1)
@@ -89,12 +91,12 @@ def thrust_axis(memories: np.ndarray) -> np.ndarray:
 
 
 class PoweredDescent(Task):
-    """Reward: decrease of the distance from rest on the ground, at the end 1 for a landing within limits, -1
-    for any other end.
+    """Powered guidance. The action is the thrust acceleration minus the part that balances gravity, north,
+    east and up, divided by 5 m/s2. The reward of a step is the decrease of speed / (100 m/s) + height /
+    (2,000 m). At the end, 1 is added for a landing within limits, and -1 for any other end.
     """
 
     title = "powered descent by the thrust vector"
-    action = "acceleration of thrust beyond weight, north, east, up / 5 m/s2"
     size = 3
     overrides = {
         "mission.phases.powered_deceleration.transitions": [_CONTACT],
@@ -177,10 +179,12 @@ def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class HazardDivert(Task):
-    """Reward: at the end 1 for a landing within limits, those of the ground included, -1 for any other."""
+    """Choice of a landing spot. The action is the spot, east and north of the middle of the map, 1 at its
+    edges. The reward is given at the end: 1 for a landing within limits, including those of the ground, and
+    -1 for any other end.
+    """
 
     title = "spot to land on, among rocks and craters"
-    action = "spot east and north of the middle of the map / half width of the map"
     size = 2
     scenario = "tianwen1_hazards"
     role = HAZARD_AVOIDANCE
@@ -237,12 +241,13 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Reward: 0.01 (1 - attitude error (rad) - body rate (rad/s)) in each step, -1 where attitude is lost.
-    Success: after 30 s the thrust axis points where guidance wants it.
+    """Allocation with a dead thruster, from backshell release on. The action is the duty of each thruster, -1
+    for never open and 1 for always open. The reward of a step is 0.01 (1 - attitude error (rad) - body rate
+    (rad/s)), or -1 if the attitude is lost. The task succeeds if the thrust axis points in the direction of
+    guidance after 30 s.
     """
 
     title = "attitude of powered descent by single thrusters, one of which is dead"
-    action = "2 x duty - 1 of each thruster: -1 never open, 1 always; from the release of the backshell on"
     size = _THRUSTERS
     faults = _one_dead(POWERED_DECELERATION, FAILING)
     role = POWERED_DECELERATION
@@ -281,14 +286,15 @@ class DeadThruster(_ThrusterFault):
 
 
 class FaultDiagnosis(_ThrusterFault):
-    """Reward: 1 less 0.05 for each second, but at least 0.1, if this thruster has failed; -1 if not.
+    """Isolation of a failed thruster. The action is 0 to wait, or the number of a thruster that is not to be
+    used again, which ends the episode. The reward is 1 minus 0.05 for each second, but at least 0.1, if this
+    thruster has failed, and -1 if not.
 
-    A bank reversal, which uses the thrusters, comes some seconds after the beginning.  Fault isolation of the
-    flight software is at work, too; the duties show what it has taken out of use.
+    A bank reversal, which uses the thrusters, follows some seconds after the start. The fault isolation of
+    the flight software is active too; the duties show which thrusters it does not use any more.
     """
 
     title = "which thruster is dead"
-    action = "0 to wait, or the number of a thruster to take out of use, which ends the episode"
     faults = _one_dead(LIFT, FAILING)
     role, later_s = LIFT, 50.0
     interval_s, longest_s = 0.2, 60.0

@@ -184,7 +184,7 @@ def load_plan(
 
 
 def parse_plan(text: str, file: str) -> Plan:
-    """The plan that :attr:`Plan.text` describes; ``file`` is the name shown in messages."""
+    """Read a plan from its ``text`` (:attr:`Plan.text`); ``file`` is the name shown in messages."""
     return plan_of(parse_document(text, file))
 
 

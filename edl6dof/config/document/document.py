@@ -13,7 +13,7 @@ from edl6dof.config.errors import ConfigError, Problem, did_you_mean, nearest
 
 @dataclass
 class Document:
-    """Plain data of a scenario, with the place and the kind of claim of each value."""
+    """Plain data of a scenario, with the place in the files and the status (origin) of each value."""
 
     #: Nested dicts and lists of str, int, float, bool and None.
     data: dict[str, Any]

@@ -44,7 +44,7 @@ class Thruster(Hardware):
         REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0, usual=(0.1, 5000, "attitude control thrusters")
     )
     thrust_factor: float = param(
-        1.0, "true thrust over thrust_n, which the flight software assumes", ge=0.0, le=1.5
+        1.0, "true thrust divided by thrust_n; the flight software assumes thrust_n", ge=0.0, le=1.5
     )
     specific_impulse_s: float = param(
         REQUIRED,
@@ -64,7 +64,7 @@ class Thruster(Hardware):
 
     @property
     def full_flow_kg_s(self) -> float:
-        """Propellant flow at full thrust."""
+        """Propellant flow at full thrust, kg/s."""
         return self.thrust_n / (self.specific_impulse_s * G0)
 
 

@@ -36,7 +36,7 @@ class FtcDobParams(Params):
 
 @kernel
 def power(x, exponent):
-    """|x|^exponent with the sign of x."""
+    """Return |x|^exponent with the sign of ``x``."""
     return copysign(pow(abs(x), exponent), x)
 
 
