@@ -86,8 +86,9 @@ STEP_S = 1.0
 
 
 class AdaptiveHinfParams(PrintedParams):
-    """Adaptive H-infinity tracking of a drag-velocity profile. Of these parameters, the paper prints only the
-    value of rho (``control_weight``).
+    """Adaptive H-infinity tracking of a drag-velocity profile.
+
+    Of these parameters, the paper prints only the value of rho (``control_weight``).
     """
 
     start_drag_m_s2: float = param(
