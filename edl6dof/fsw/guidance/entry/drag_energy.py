@@ -96,8 +96,9 @@ def predicted_range(memory, span, eta, coast):
 
 @kernel
 def refit(reference, energy, wanted, limit, memory):
-    """Fit the profile from ``energy`` (J/kg) to the end of range control of the reference, for a range of
-    ``wanted`` m to the aim point (eqs. 13-15); ``limit``: largest |eta|, where 0 keeps the range.
+    """Fit the drag profile between ``energy`` (J/kg) and the end of range control of the reference, so that
+    its range to the aim point is ``wanted`` (m) (eqs. 13-15); ``limit``: largest magnitude of eta, the
+    parameter of the fit; 0 gives the reference profile.
     """
     terminal = 0.5 * reference.handover * reference.handover
     span = energy - terminal

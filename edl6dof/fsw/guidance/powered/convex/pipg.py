@@ -132,7 +132,9 @@ def alive(multiplier):
 
 @kernel
 def outside(point, slope):
-    """Vector from the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point`` (x, y, z)."""
+    """Return the vector from the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point``
+    (x, y, z).
+    """
     x, y, z = point
     side = sqrt(x * x + y * y)
     if z >= slope * side:
