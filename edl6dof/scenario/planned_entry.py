@@ -41,6 +41,11 @@ MAX_ROWS, TOO_LOW = 8000, 4000.0
 #: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and most flights of the search.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
+#: Fields that the rows of a plan and navigated states have in common.
+SHARED = (
+    *("t", "latitude", "longitude", "altitude", "speed", "azimuth"),
+    *("bank", "energy", "mach", "drag", "dynamic_pressure"),
+)
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
 AS_BELIEVED = (1.0, 1.0)
 #: State in F, and inputs, memory and outputs of the flight computer.
@@ -89,7 +94,7 @@ def planned_states(onboard: np.ndarray, scenario: Scenario) -> tuple[np.ndarray,
     """
     rows, record = planned_again(onboard, scenario), onboard[0]
     navs, guides = np.zeros(len(rows), NAV), np.zeros(len(rows), GUIDE)
-    for name in set(PLANNED.names) & set(NAV.names):
+    for name in SHARED:
         navs[name] = rows[name]
     navs["flight_path_angle"] = rows["path_angle"]
     navs["lift"] = np.sqrt(np.square(rows["load"]) - np.square(rows["drag"]))
