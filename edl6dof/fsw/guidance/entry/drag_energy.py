@@ -43,8 +43,8 @@ WEIGHT = (
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
 FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
-#: Energy over that at the end of range control down to which the profile is refitted.
-LEAST_SPAN = 1.25
+#: Range to go, over that planned after range control, down to which the profile is refitted.
+LEAST_RANGE = 1.4
 
 #: The present profile: coefficients (m/s2), energy (J/kg) at its argument 1, time (s) of the last update;
 #: ``drag`` and ``ground`` are workspace.
@@ -136,7 +136,8 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
     terminal = 0.5 * reference.handover * reference.handover
-    updating = shared.update and nav.speed > shared.update_stop and nav.energy > LEAST_SPAN * terminal
+    updating = shared.update and nav.speed > shared.update_stop
+    updating = updating and out.range_to_go > LEAST_RANGE * reference.coast
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
         limit = shared.scale_limit if updating else 0.0
