@@ -120,14 +120,8 @@ def try_on_plan(scenario: Scenario) -> None:
     Raises:
         ConfigError: one of them fails, writes what it may only read, or has a result that is not finite.
     """
-    entry = scenario.flight_software.guidance.entry
-    chosen = {("entry_law", entry.law), ("reversal", entry.reversal.logic)}
     if any(phase.guidance == "entry" for phase in scenario.mission.phases):
-        _refuse(
-            lambda key, member, *of: (
-                _on_plan(scenario, key, member, *of) if (key, member.name) in chosen else ""
-            )
-        )
+        _refuse(lambda *kernel: _on_plan(scenario, *kernel))
 
 
 def _refuse(complain: Callable[[str, Member, str, tuple[str, ...]], str]) -> None:
@@ -158,6 +152,9 @@ def _on_plan(scenario: Scenario, key: str, member: Member, role: str, arguments:
     from edl6dof.scenario.planned_entry import planned_states
     from edl6dof.scenario.records import build_onboard
 
+    software = scenario.flight_software.guidance.entry
+    if member.name != {"entry_law": software.law, "reversal": software.reversal.logic}.get(key):
+        return ""
     onboard = build_onboard(scenario)
     entry = onboard["guidance"]["entry"]
     given = {name: _argument(name, key, member) for name in arguments} | {"onboard": onboard}
@@ -168,12 +165,11 @@ def _on_plan(scenario: Scenario, key: str, member: Member, role: str, arguments:
     for k in np.linspace(0, len(navs) - 1, _STATES).astype(int):
         given |= {"nav": navs[k : k + 1], "out": guides[k : k + 1]}
         value, wrong = _called(key, member.kernels[role], {name: given[name] for name in arguments})
-        places = ((name, first_not_finite(given[name])) for name in ("memory", "out"))
-        endless = [f"writes {name}.{place}, which is not finite," for name, place in places if place]
-        if not wrong and not np.isfinite(value):
-            wrong = f"returns {value}"
-        if wrong or endless:
-            return f"{wrong or endless[0]} at {navs['speed'][k]:.0f} m/s of the planned entry"
+        for name in ("memory", "out"):
+            if not wrong and (place := first_not_finite(given[name])):
+                wrong = f"writes {name}.{place}, which is not finite,"
+        if wrong or not np.isfinite(value):
+            return f"{wrong or f'returns {value}'} at {navs['speed'][k]:.0f} m/s of the planned entry"
     return ""
 
 
