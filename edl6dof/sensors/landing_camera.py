@@ -166,7 +166,7 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 @kernel
 def covered(population, view, cells, i, j, smallest, largest, steepest):
     """Area (m2) covered by the members of a population whose middle lies in the cell (``i``, ``j``), with
-    diameters from ``smallest`` to ``largest`` (m) and walls of at least the slope ``steepest`` (negative: any).
+    diameters from ``smallest`` to ``largest`` (m) and walls at least as steep as ``steepest`` (below 0: any).
     """
     south, north = span(cells, i, j, 0)
     west, east = span(cells, i, j, 1)
