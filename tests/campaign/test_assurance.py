@@ -1,4 +1,4 @@
-"""Requirements judged by the flights of a campaign: closed forms, simulated consumer risk, and the command."""
+"""Requirements judged by the flights of a campaign: closed forms, simulated risks, and the command."""
 
 from __future__ import annotations
 
@@ -94,8 +94,8 @@ def test_flights_that_failed_or_have_no_value_are_failures_and_the_worst():
 
 
 def test_a_failure_that_no_limit_explains_is_one_of_every_requirement():
-    """Five landings: a success, one outside a limit, one that tipped over within the limits, one that was lost
-    before touchdown outside a limit, and one that could not fly.
+    """Five landings: a success, one outside a limit, one that tipped over within the limits, one lost before
+    touchdown outside a limit, and one that could not fly.
     """
     columns = {
         "peak_load_g0": np.array([9.0, 16.0, 9.0, 16.0, np.nan]),
