@@ -128,7 +128,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "new law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
     "new controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
-    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign tianwen1_mc.yaml -n 100"),
+    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign my_tianwen1_mc.yaml -n 100"),
     "design entry": (
         "edl6dof design entry msl --out plan.yaml",
         "edl6dof design entry msl --minimise dispersion",
@@ -167,7 +167,11 @@ class Command(TyperCommand):
                     formatter.write_dl(rows)
 
     def _arguments(self) -> list[Any]:
-        return [one for one in self.params if one.param_type_name == "argument"]
+        return [
+            one
+            for one in self.params
+            if one.param_type_name == "argument" and not getattr(one, "hidden", False)
+        ]
 
 
 _RANGE = re.compile(r"(?:(?P<low>[\d.]+)<=)?x(?:(?P<sign>[<>])=(?P<bound>[\d.]+))(?=[];])")

@@ -56,8 +56,11 @@ def write_plot(
     """Write a plot of channels of runs in the form that the suffix of ``out`` names; return its path."""
     runs = [Run(folder) for folder in folders]
     channels, names = chosen(runs[0], patterns, folders[0]), labels(*runs)
-    figures = [channels_figure(run, run.folder, channels, against, since, until) for run in runs]
-    figure = together(figures, names) if len(runs) > 1 else figures[0]
+    several = len(runs) > 1
+    figures = [
+        channels_figure(run, run.folder, channels, against, since, until, apart=several) for run in runs
+    ]
+    figure = together(figures, names) if several else figures[0]
     others = "".join(f"-with-{name.replace('/', '-')}" for name in names[1:])
     more = "-and-more" if len(channels) > 1 else ""
     target = out or folders[0] / "plots" / f"{channels[0]}{more}{others}.html"

@@ -187,6 +187,7 @@ def _is_folder(word: str) -> bool:
 def compare(
     first: Annotated[Path, argument("RUN1", "Run folder, or that of a campaign.")],
     second: Annotated[Path, argument("RUN2", "Another of the same kind.")],
+    more: Annotated[list[Path] | None, typer.Argument(hidden=True)] = None,
     out: Annotated[
         Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
     ] = None,
@@ -203,6 +204,10 @@ def compare(
     every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
     success, and every figure with a significant difference.
     """
+    if more:
+        folders = " ".join(map(str, (first, second, *more)))
+        words = f"two are compared; to draw the curves of all: edl6dof plot {folders} CHANNEL"
+        raise refusal("edl6dof compare", words)
     with suppress(ConfigError):  # plugins of the first flight, whose neighbours are flown
         functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights
