@@ -81,6 +81,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof replay runs/tianwen1 --tour --video flight.mp4",
     ),
     "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
+    "assure": (
+        "edl6dof assure runs/tianwen1_mc",
+        "edl6dof assure runs/tianwen1_mc requirements.yaml --out board.pdf",
+    ),
     "plot": (
         "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
         "edl6dof plot runs/tianwen1 runs/heavy truth.mach",

@@ -11,7 +11,15 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
+from edl6dof.cli.group import (
+    NOT_WITHIN_LIMITS,
+    UNAVAILABLE,
+    argument,
+    check_target,
+    flag,
+    option,
+    refusing_damage,
+)
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
@@ -101,6 +109,43 @@ def report(
     with refusing_damage(run):
         for path in functions.report(run, out=out, pdf=pdf, png=png, force=force):
             print(path)
+
+
+def assure(
+    folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
+    requirements: Annotated[
+        Path | None,
+        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
+    ] = None,
+    out: Annotated[
+        Path | None, option("FILE", "Page to write: .html or .pdf; FOLDER/assurance.html if not given.")
+    ] = None,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
+    as_json: Annotated[bool, flag("Print JSON; write a page only to --out.", "--json")] = False,
+) -> int:
+    """Judge a campaign by requirements on the share of flights.
+
+    Each requirement is verified, violated or undecided, the latter with the number of flights that would
+    verify it. The page for a review board contains the verdicts, the worst cases and the evidence for the
+    credibility of the results.
+
+    Exit status: 0 all verified, 1 not, 2 bad input.
+    """
+    check_target(out, (".html", ".pdf"), force=True)
+    target = out or (None if as_json else folder / "assurance.html")
+    with refusing_damage(folder):
+        found = functions.assure(folder, requirements, out=target, force=force)
+        if as_json:
+            from edl6dof.config.dump import json_text
+
+            print(json_text(found.data), end="")
+        else:
+            from edl6dof.report.campaign.assurance import assurance_report
+            from edl6dof.report.terminal import show_report
+
+            show_report(assurance_report(found))
+            print(f"\n{target}")
+    return 0 if found.verified else NOT_WITHIN_LIMITS
 
 
 def plot(
