@@ -2,13 +2,15 @@
 
 Range along a drag profile is the integral of cos(gamma) dE / D. At each update the profile is multiplied by 1
 + eta f(E) with the eta that makes it predict the range to go, and the product is fitted again: the polynomial
-always covers the energy that is left. Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
+covers the energy that is left until range control ends. Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs.
+9-15.
 
-Differences from the print: the range integral carries the ground distance per path length of the reference
-trajectory, which eqs. 11 and 14 leave out (1 % of the range of an entry at 14 deg); the argument of the
-polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg makes
-the least-squares problem ill-conditioned; the fit stays within a factor of the reference, so that it does not
-drift with each update for an aim point out of reach.
+Differences from the print: the profile ends with range control, and the planned range from there is added;
+the range integral carries the ground distance per path length of the reference trajectory, which eqs. 11 and
+14 leave out (1 % of the range of an entry at 14 deg); the argument of the polynomial is the share of energy
+left, 0 at the terminal and 1 at the last update, because E^6 in J/kg makes the least-squares problem
+ill-conditioned; the fit stays within a factor of the reference, so that it does not drift with each update
+for an aim point out of reach.
 """
 
 from __future__ import annotations

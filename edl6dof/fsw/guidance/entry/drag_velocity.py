@@ -11,9 +11,10 @@ flight, under the ceiling of the corridor, and scaled to the range of that fligh
 profile by one factor to match the range to go: range along a drag profile is inversely proportional to drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
-Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which
-the paper neglects at first and later avoids by an energy variable; here the angle follows from the profile:
-with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
+Differences from the print: the profile ends with range control, and the planned range from there is added; R
+= -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which the paper neglects at first and
+later avoids by an energy variable; here the angle follows from the profile: with D = f(V), the rate of D = k
+rho V^2 fixes the rate of climb.
 """
 
 from __future__ import annotations
