@@ -105,13 +105,6 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
 
 
 @kernel
-def axial_load(unexplained, goal, state):
-    """Return the axial force (N) of air and riser: the part that neither thrusters nor engine explain."""
-    thrust = goal.thrust * (1.0 - state.engine.by_thrusters)
-    return abs(unexplained[0] + thrust) if state.ignited != 0 else abs(unexplained[0])
-
-
-@kernel
 def run(functions, onboard, sensed, k, fsw):
     """Run base cycle number ``k``, from ``sensed`` to ``fsw.command``, with the kernels ``functions``
     (:mod:`.functions`).
@@ -222,8 +215,8 @@ def run(functions, onboard, sensed, k, fsw):
         used=sensed.branch_used,
         effectiveness=effectiveness,
         activity=fsw.estimation.activity,
-        load=axial_load(disturbance.unexplained, goal, state),
         unexplained=disturbance.unexplained,
+        lag=onboard.imu_delay + onboard.estimation.valve_lag,
         t=nav.t,
         dt=control_dt,
         healthy=healthy,

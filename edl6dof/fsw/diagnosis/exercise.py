@@ -4,9 +4,11 @@ the vehicle neither turns nor moves sideways unless one of them fails.
 A thruster that is not used cannot be known to work. Each thruster is tested once in every phase and again
 after a long rest. In hazard avoidance a fault of any thruster has to be found within a second, while guidance
 uses only some of them at a time: each horizontal pair that has rested for a while is tested in turn. If
-thrust is missing, each thruster of the pair is at once tested alone, and another one of the same branch is
+flow is missing, each thruster of the pair is at once tested alone, and another one of the same branch is
 fired to check the flow meter; where the propellant may be the cause of the loss, thrusters of other branches
-are tested. A test of two 250 N thrusters costs 8 g of propellant.
+are tested. If force and torque leave a thruster in doubt, the pair fires again when the last pulse has been
+measured, until they decide: a train of pulses, as only their edges differ from a disturbance. A test of two
+250 N thrusters costs 8 g of propellant. A 25 N thruster is tested alone while the opposite one is in use.
 
 Source: none; Hu et al. 2022 wait for the thruster to be used.
 """
@@ -19,7 +21,7 @@ from edl6dof.config.base import Params, param
 from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
+from edl6dof.interface.effectors import FINE, HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 
@@ -158,7 +160,7 @@ def retest(params, signals, memory):
     ):
         return NONE, NONE
     j = opposite(signals.effectiveness, vehicle.n_thrusters, i)
-    if is_free(i, signals) and is_free(j, signals):
+    if is_free(i, signals) and is_free(j, signals) and is_measured(i, signals, memory):
         return i, j
     return NONE, NONE
 
@@ -175,12 +177,13 @@ def longest_rested(params, signals, waiting, memory):
         due = t - params.rest if often else max(signals.start, t - params.every)
         if memory.used[i] < min(due, oldest) and not needs_trial(i, signals.diagnosis.flow):
             j = opposite(effectiveness, vehicle.n_thrusters, i)
-            if (
-                is_free(i, signals)
-                and is_free(j, signals)
+            alone = vehicle.thrusters[i].group == FINE and not is_free(j, signals)
+            if is_free(i, signals) and (
+                alone
+                or is_free(j, signals)
                 and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * signals.axial
             ):
-                first, second, oldest = i, j, memory.used[i]
+                first, second, oldest = i, NONE if alone else j, memory.used[i]
     return first, second
 
 
