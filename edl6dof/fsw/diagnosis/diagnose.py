@@ -273,7 +273,9 @@ def diagnose(params, signals, memory):
         if (best.kind == STUCK_ON or no_response) and not is_read(metered, suspected, flow):
             leaking, metered_leak = suspected, False
     if leaking != NONE:
-        doubt = params.prior if best.kind == STUCK_ON else 0.0
+        # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
+        # thruster that does not respond has failed in any case
+        doubt = 2.0 * params.prior if best.kind == STUCK_ON else 0.0
         start_leak_isolation(signals, leaking, metered_leak, doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)

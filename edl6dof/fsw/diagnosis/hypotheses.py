@@ -6,11 +6,12 @@ whenever its thruster is commanded; in addition its opening leaves the signature
 
 The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with the
 weighted sum of squares S of the innovations over n cycles, and S' of the innovations less the prediction of
-the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
+the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 3 of the 5 components because they are not
 independent; S0 is the sum that the errors of the onboard models explain. A disturbance unlike a thruster,
-however large, leaves S' near S and is no evidence; a cycle counts the less, the more of its innovation the
-hypothesis does not explain. Only cycles in which a hypothesis predicts an innovation count for it, and its
-sums are reset whenever the evidence contradicts it, so the time of the fault need not be known (Page's test).
+however large, leaves S' near S and is no evidence; for a loss, a cycle counts the less, the more of its
+innovation the hypothesis does not explain. Only cycles in which a hypothesis predicts an innovation count for
+it, and its sums are reset whenever the evidence contradicts it, so the time of the fault need not be known
+(Page's test).
 
 Where a flow meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force
 and torque. The loss of flow then has several explanations, which compete by their posterior odds. Each fault
@@ -63,7 +64,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
-COMPONENTS = 2.0
+COMPONENTS = 3.0
 LEAST_SEEN = 0.05  # weighted square of a signature from which a cycle counts
 OUTLIER = 25.0  # weighted square of the unexplained innovation that halves the weight of a cycle
 ONSET = 25.0  # weighted square of two innovations from which the opening of a valve is looked for
@@ -92,19 +93,26 @@ HYPOTHESES = record(
 
 
 @kernel
-def collect(sums, keep, along, square, every):
-    """Add a cycle to the sums of a hypothesis; ``along``, ``square`` and ``every``: weighted products
-    innovation times prediction, prediction squared and innovation squared; ``keep``: factor on the sums so
-    far.
+def trust(along, square, every):
+    """Return the weight of a cycle for a loss of unknown size: the less, the more of the innovation the
+    hypothesis does not explain; arguments as of :func:`collect`.
+    """
+    explained = max(along, 0.0) ** 2 / square if square > 0.0 else 0.0
+    return 1.0 / (1.0 + max(every - explained, 0.0) / OUTLIER)
+
+
+@kernel
+def collect(sums, keep, along, square, every, share):
+    """Add a cycle with the weight ``share`` to the sums of a hypothesis; ``along``, ``square`` and ``every``:
+    weighted products innovation times prediction, prediction squared and innovation squared; ``keep``: factor
+    on the sums so far.
     """
     if square < LEAST_SEEN:
         return
-    explained = max(along, 0.0) ** 2 / square
-    trust = 1.0 / (1.0 + max(every - explained, 0.0) / OUTLIER)
-    sums.cross = keep * sums.cross + trust * along
-    sums.own = keep * sums.own + trust * square
-    sums.all = keep * sums.all + trust * every
-    sums.cycles = keep * sums.cycles + trust
+    sums.cross = keep * sums.cross + share * along
+    sums.own = keep * sums.own + share * square
+    sums.all = keep * sums.all + share * every
+    sums.cycles = keep * sums.cycles + share
 
 
 @kernel
@@ -171,7 +179,7 @@ def update_evidence(params, signals, residual, flow, memory):
         clear_signature(residual)
         add_signature(i, effectiveness[i], residual)
         along, square = compare_signature(residual)
-        collect(memory.off[i], keep, along, square, every)
+        collect(memory.off[i], keep, along, square, every, share=trust(along, square, every))
     for b in range(vehicle.branches.count if signals.metered else 0):
         if flow.shows_loss[b] == 0:
             forget(memory.dead[b])
@@ -181,7 +189,7 @@ def update_evidence(params, signals, residual, flow, memory):
             if vehicle.branches.of[i] == b:
                 add_signature(i, effectiveness[i], residual)
         along, square = compare_signature(residual)
-        collect(memory.dead[b], keep, along, square, every)
+        collect(memory.dead[b], keep, along, square, every, share=trust(along, square, every))
 
 
 @kernel

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible
 from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget
-from edl6dof.fsw.diagnosis.residual import AXES, TAPS, WINDOW, compare_signature
+from edl6dof.fsw.diagnosis.residual import AXES, TAPS, WINDOW, compare_signature, is_settled
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
@@ -91,12 +91,12 @@ def is_commanded(count, residual, memory):
 
 @kernel
 def add_cycle(signals, residual, memory):
-    """Add a cycle to the evidence that each candidate leaks."""
+    """Add a cycle to the evidence that each candidate leaks, unless an event has just changed the forces."""
     newest, count = residual.taken - 1, signals.vehicle.n_thrusters
     moved = min(max(memory.cycles - signals.lag / signals.dt, 0.0), 1.0)
     memory.level[newest % TAPS] = moved if memory.open != 0 else 1.0 - moved
     every = residual.square[newest % WINDOW]
-    for i in range(count):
+    for i in range(count if is_settled(residual) else 0):
         if memory.candidate[i] != 0:
             for c in range(AXES):
                 level = 0.0
@@ -104,7 +104,7 @@ def add_cycle(signals, residual, memory):
                     level += residual.filter[j, c] * memory.level[(newest - j) % TAPS]
                 residual.signature[c] = level * signals.effectiveness[i, c + 1]
             along, square = compare_signature(residual)
-            collect(memory.sums[i], 1.0, along, square, every)
+            collect(memory.sums[i], 1.0, along, square, every, share=1.0)
 
 
 @kernel
@@ -115,7 +115,7 @@ def most_probable(count, memory):
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            found = evidence(memory.sums[i], 1.0)
+            found = evidence(memory.sums[i], 1.0) if memory.sums[i].cycles > 0.0 else 0.0
             if found > most:
                 total = total * exp(most - found) + 1.0
                 memory.best, most = i, found

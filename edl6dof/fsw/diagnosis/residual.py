@@ -17,9 +17,9 @@ The coefficients follow from running covariances of x by the Levinson-Durbin rec
 cycle. A fault must not change the model that judges it: in the covariances each innovation is limited to a
 few standard deviations, and they end ``DELAY`` cycles ago.
 
-Sources: Basseville & Nikiforov 1993, section 8.1.1 (whitening before the likelihood ratio) ; Box, Jenkins &
-Reinsel, Time Series Analysis, 4th ed. 2008, section 3.2 and appendix A3.2 (Yule-Walker equations, recursion);
-Martin & Thomson 1982, Proc. IEEE 70(9) (robust filter cleaner).
+Sources: Basseville & Nikiforov 1993, chapter 7 (additive changes: likelihood ratio of the innovations); Box,
+Jenkins & Reinsel, Time Series Analysis, chapter 3 (Yule-Walker equations, recursion); Martin & Thomson 1982,
+Proc. IEEE 70(9) (limited innovations).
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ DELAY = 6  # cycles: longest onset of a fault, in which the model does not adapt
 WINDOW = 4  # innovations that are stored, for the onset of a leak
 MEMORY = 60.0  # cycles of the covariances: 2.4 s
 CLIP = 3.0  # standard deviations to which an innovation counts in the covariances
-WHITE = 1.02  # factor on the variance of x, which limits the range of the spectrum that is removed
+WHITE = 1.005  # factor on the variance of x, which limits the range of the spectrum that is removed
 LARGEST_REFLECTION = 0.98
+STEADY = 0.99  # share of a cycle from which a thruster counts as open throughout
 
 RESIDUAL = record(
     ("taken", COUNT),  # cycles
@@ -75,11 +76,11 @@ def is_settled(memory):
 @kernel
 def predict_by_covariance(covariance, predictor):
     """Write the coefficients that predict a series with these covariances (by lag, the variance first) into
-    ``predictor``. Returns the variance of the innovation (Levinson-Durbin recursion).
+    ``predictor`` (Levinson-Durbin recursion).
     """
     left = WHITE * covariance[0]
     if left <= 0.0:
-        return 0.0
+        return
     for m in range(ORDER):
         rest = covariance[m + 1]
         for j in range(m):
@@ -91,13 +92,12 @@ def predict_by_covariance(covariance, predictor):
             predictor[m - 1 - j] = last - reflection * first
         predictor[m] = reflection
         left *= 1.0 - reflection * reflection
-    return left
 
 
 @kernel
 def update_filter(c, memory):
     """Compute predictor and filter of component ``c`` again, from its covariances."""
-    memory.variance[c] = predict_by_covariance(memory.covariance[c], memory.predictor[c])
+    predict_by_covariance(memory.covariance[c], memory.predictor[c])
     before = 1.0
     memory.filter[0, c] = 1.0
     for j in range(ORDER):
@@ -107,16 +107,19 @@ def update_filter(c, memory):
 
 
 @kernel
-def update_covariance(c, least, memory):
-    """Add the latest change of component ``c``, its innovation limited, to the ring, and the one ``DELAY``
-    cycles older to the covariances; ``least``: smallest standard deviation of the innovation.
+def update_statistics(c, least, memory):
+    """Add the latest change of component ``c``, its innovation limited, to the ring and to the variance of
+    the innovation, and the change ``DELAY`` cycles ago to the covariances; ``least``: smallest standard
+    deviation of the innovation.
     """
     size, k = DELAY + ORDER + 1, memory.taken
     usual = 0.0
     for j in range(ORDER):
         usual += memory.predictor[c, j] * memory.usual[(k - 1 - j) % size, c]
     limit = CLIP * sqrt(memory.variance[c] + least * least)
-    memory.usual[k % size, c] = usual + min(max(memory.change[0, c] - usual, -limit), limit)
+    limited = min(max(memory.change[0, c] - usual, -limit), limit)
+    memory.variance[c] += (limited * limited - memory.variance[c]) / MEMORY
+    memory.usual[k % size, c] = usual + limited
     older = memory.usual[(k - DELAY) % size, c]
     for j in range(ORDER + 1):
         product = older * memory.usual[(k - DELAY - j) % size, c]
@@ -155,7 +158,7 @@ def whiten(params, unexplained, activity, count, memory):
         weight = 1.0 / (memory.variance[c] + least * least + error * error)
         memory.value[new, c], memory.weight[new, c] = innovation, weight
         memory.square[new] += weight * innovation * innovation
-        update_covariance(c, least, memory)
+        update_statistics(c, least, memory)
     update_filter(k % AXES, memory)
     memory.taken += 1
     memory.settled += 1
@@ -178,6 +181,17 @@ def add_signature(i, effectiveness, memory):
         if share != 0.0:
             for c in range(AXES):
                 memory.signature[c] -= share * memory.filter[j, c] * effectiveness[c + 1]
+
+
+@kernel
+def fires_steadily(i, memory):
+    """Return whether thruster ``i`` was commanded throughout the cycles that the filter contains: it then
+    leaves no signature.
+    """
+    least = 1.0
+    for j in range(TAPS):
+        least = min(least, memory.share[j, i])
+    return least > STEADY
 
 
 @kernel

@@ -471,7 +471,7 @@ def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(
 
 
 def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
-    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
+    """Against the maximised log likelihoods by numpy, for three independent components and no floor in the
     limit of large residuals.
     """
     rng, sums = np.random.default_rng(1), np.zeros(1, SUMS)[0]
@@ -482,7 +482,7 @@ def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
     size = sums["cross"] / sums["own"]
 
     def most_likely(error):
-        return -0.5 * 2 * len(error) * np.log(np.mean(error**2))
+        return -0.5 * 3 * len(error) * np.log(np.mean(error**2))
 
     assert evidence(sums, size) == pytest.approx(
         most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
@@ -495,7 +495,7 @@ def test_evidence_of_flow_and_of_force_and_torque_add(shared_onboard):
     """
     onboard, memory, flow = shared_onboard[0], np.zeros(1, HYPOTHESES)[0], np.zeros(1, FLOW)[0]
     for _ in range(30):
-        collect(memory["off"][3], 1.0, 20.0, 20.0, 22.0)
+        collect(memory["off"][3], 1.0, 20.0, 20.0, 22.0, share=1.0)
     flow["off"][3] = (0.9 * 12.0, 12.0, 30)
     found = evidence_by_flow_and_thrust(
         onboard["diagnosis"], onboard["vehicle"], waiting=False, i=3, flow=flow, memory=memory, least=0.0
