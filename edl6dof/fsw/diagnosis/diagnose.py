@@ -88,7 +88,7 @@ class DiagnosisParams(Params):
         0.85, "fraction of thrust lost from which a thruster counts as stuck off", gt=0.0, le=1.0
     )
     onset: float = param(
-        7.0, "evidence of an opening valve from which the latch valve of its branch is moved", gt=0.0
+        5.0, "evidence of an opening valve from which the latch valve of its branch is moved", gt=0.0
     )
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     flow: FlowParams = group(FlowParams, "evidence of the flow meters")
@@ -275,7 +275,7 @@ def diagnose(params, signals, memory):
     if leaking != NONE:
         # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
         # thruster that does not respond has failed in any case
-        doubt = 2.0 * params.prior if best.kind == STUCK_ON else 0.0
+        doubt = 1.5 * params.prior if best.kind == STUCK_ON else 0.0
         start_leak_isolation(signals, leaking, metered_leak, doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)

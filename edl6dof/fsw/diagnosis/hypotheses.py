@@ -6,7 +6,7 @@ whenever its thruster is commanded; in addition its opening leaves the signature
 
 The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with the
 weighted sum of squares S of the innovations over n cycles, and S' of the innovations less the prediction of
-the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 3 of the 5 components because they are not
+the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
 independent; S0 is the sum that the errors of the onboard models explain. A disturbance unlike a thruster,
 however large, leaves S' near S and is no evidence; for a loss, a cycle counts the less, the more of its
 innovation the hypothesis does not explain. Only cycles in which a hypothesis predicts an innovation count for
@@ -64,7 +64,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
-COMPONENTS = 3.0
+COMPONENTS = 2.0
 LEAST_SEEN = 0.05  # weighted square of a signature from which a cycle counts
 OUTLIER = 25.0  # weighted square of the unexplained innovation that halves the weight of a cycle
 ONSET = 25.0  # weighted square of two innovations from which the opening of a valve is looked for

@@ -471,7 +471,7 @@ def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(
 
 
 def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
-    """Against the maximised log likelihoods by numpy, for three independent components and no floor in the
+    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
     limit of large residuals.
     """
     rng, sums = np.random.default_rng(1), np.zeros(1, SUMS)[0]
@@ -482,7 +482,7 @@ def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
     size = sums["cross"] / sums["own"]
 
     def most_likely(error):
-        return -0.5 * 3 * len(error) * np.log(np.mean(error**2))
+        return -0.5 * 2 * len(error) * np.log(np.mean(error**2))
 
     assert evidence(sums, size) == pytest.approx(
         most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
