@@ -32,14 +32,18 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.fsw.estimation.registry", "MEASURED", "`measured` of an estimator"),
         ("edl6dof.fsw.estimation.registry", "DISTURBANCE", "`out` of an estimator"),
     ),
-    "The believed vehicle and world": (
+    "On-board model of vehicle and planet": (
         ("edl6dof.fsw.onboard", "ONBOARD", "`onboard`; `vehicle` is its part of that name"),
         ("edl6dof.fsw.onboard", "CONFIGURATION", "mass properties of one set of attached parts"),
         ("edl6dof.fsw.guidance.entry.airframe", "AIRFRAME", "trim, drag and lift by Mach number"),
         ("edl6dof.fsw.vehicle_state", "VEHICLE_STATE", "`state` of a powered law"),
-        ("edl6dof.fsw.vehicle_state", "ENGINE_ABILITY", "what engines can give"),
+        (
+            "edl6dof.fsw.vehicle_state",
+            "ENGINE_ABILITY",
+            "thrust and specific impulse that engines can deliver",
+        ),
         ("edl6dof.interface.effectors", "BRANCHES", "propellant branches"),
-        ("edl6dof.spatial.frames", "LOCAL_FRAME", "a frame L"),
+        ("edl6dof.spatial.frames", "LOCAL_FRAME", "local frame L of the landing site"),
     ),
     "Navigation filters": (
         ("edl6dof.fsw.navigation.solution", "MOTION", "`motion` of a filter"),
@@ -48,7 +52,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.fsw.navigation.solution", "ESTIMATE", "output of navigation"),
     ),
     "Between plant and flight software": (
-        ("edl6dof.interface.sensed", "SENSED", "`sensed`: what a sensor writes and a filter reads"),
+        ("edl6dof.interface.sensed", "SENSED", "`sensed`: readings that sensors write and filters read"),
         ("edl6dof.interface.sensed", "INERTIAL", "inertial unit"),
         ("edl6dof.interface.sensed", "STARS", "star tracker"),
         ("edl6dof.interface.sensed", "RADAR", "landing radar"),
@@ -58,7 +62,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.interface.sensed", "CAMERA", "landing camera"),
         ("edl6dof.interface.command", "COMMAND", "commands to thrusters, engines and events"),
         ("edl6dof.interface.command", "EXTERNAL", "commands from outside (`edl6dof.Simulation`)"),
-        ("edl6dof.interface.command", "GIVEN", "which of them count"),
+        ("edl6dof.interface.command", "GIVEN", "commands of `EXTERNAL` that are in force"),
     ),
 }
 #: Parts of ``ONBOARD`` that are left out: they are made from parameter models, which have pages of their own,
@@ -78,7 +82,8 @@ _COMMENT = re.compile(rf"(?P<unit>{_UNIT})(?:, (?P<frame>[IFNLBVC]))?(?::|,|$) ?
 INTRODUCTION = """These are the records that guidance laws, controllers, estimators, navigation filters
 and sensors read and write. Frames and signs are those of the [conventions](../conventions.md).
 Quantities are in SI units and radians. A frame is the one in which the components of a vector are
-given. A flag is 0 or 1. `x[3]` is an array. Where a field is itself a record, the unit column names it."""
+given. A flag is 0 or 1. `x[3]` is an array. Where a field is itself a record, the unit column names it.
+*Believed* means according to the on-board model."""
 
 
 class Field(NamedTuple):

@@ -122,10 +122,11 @@ class CampaignResult:
         return [one for one in found if one is not None]
 
     def worst(self, figure: str) -> int:
-        """Number of the case in which a figure is worst: largest in size, or of a clearance, smallest.
+        """Return the number of the case in which a figure is worst: largest in magnitude, or smallest if the
+        figure is a clearance.
 
         Raises:
-            ConfigError: there is no such figure, or no case has come to it.
+            ConfigError: there is no such figure, or no case has a value of it.
         """
         return worst_case(self.table, figure)
 
@@ -171,7 +172,7 @@ class CampaignResult:
 
 
 def described(column: str) -> dict[str, str]:
-    """Unit and meaning of a column of a campaign: of a drawn parameter, or of a figure.
+    """Return unit and meaning of a column of a campaign, which is a drawn parameter or a figure.
 
     >>> described("truth.vehicle.mass.entry_kg")
     {'units': 'kg', 'long_name': 'vehicle mass at entry'}
@@ -197,7 +198,7 @@ def _array(column: Any) -> np.ndarray:
 
 
 def worst_case(table: pa.Table, figure: str) -> int:
-    """Number of the case in which a figure is worst; see :meth:`CampaignResult.worst`."""
+    """Return the number of the case in which a figure is worst; see :meth:`CampaignResult.worst`."""
     names = [name for name in table.column_names if name in DECLARED]
     if figure not in names:
         raise refusal("--worst", unknown("figure", figure, names))
@@ -358,6 +359,5 @@ def open_campaign(folder: Path) -> CampaignResult:
         ConfigError: the folder has no campaign, or an incomplete or damaged one.
     """
     store = Store(folder)
-    if store.info and not store.complete:  # reading it says whether there is a campaign
-        raise refusal(folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
+    store.require_complete()
     return CampaignResult(store.summary, store.table(), store.folder)

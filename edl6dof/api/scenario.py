@@ -35,8 +35,8 @@ MAIN_VALUES = (
 
 
 class Scenario(LoadedScenario):
-    """A validated scenario that prints, draws, flies and changes; every function that takes the name of a
-    scenario takes it, too.
+    """A validated scenario that can be printed, drawn, changed and flown. Every function that takes the name
+    of a scenario also takes a ``Scenario``.
 
     >>> scenario = edl6dof.Scenario("tianwen1")
     >>> scenario["vehicle.mass.entry_kg"]

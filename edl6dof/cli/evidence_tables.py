@@ -26,8 +26,9 @@ from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted, unknown
 from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.missions.mission import Compared, inside, reached_goal
-from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, failures, heading, outcome
+from edl6dof.missions.agreement import is_calibrated
+from edl6dof.missions.mission import Compared, percentiles
+from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, distances, failures, heading, outcome
 from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, print_whole, published_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
@@ -68,23 +69,24 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
     """Print the comparison of predicted with flown values, and the files of the folder."""
     console = Console(highlight=False, soft_wrap=True)
     console.print(_missions_table(missions))
+    for words in distances(missions):
+        console.print(words, markup=False, soft_wrap=False)
     for mission in missions:
         for words in (*causes(mission), *failures(mission)):
             console.print(words, markup=False, soft_wrap=False)
     print(f"{target}: {listed(target)}")
-    console.print(Text(outcome(missions), style="bold green" if reached_goal(missions) else "bold red"))
+    console.print(
+        Text(outcome(missions), style="bold green" if is_calibrated(percentiles(missions)) else "bold red")
+    )
 
 
 def _missions_table(missions: Sequence[Compared]) -> Table:
     """Return a table of all missions, 80 columns wide; the mark of a value follows the name of its figure."""
-    figure, *numbers, _, sigma, last = HEADS
-    table = open_table("Predicted and flown", figure, *numbers, sigma, last)
+    table = open_table("Predicted and flown", *_narrow(HEADS))
     table.collapse_padding, table.show_edge = True, False
     for mission in missions:
-        share = inside(mission.predicted)
-        style = "bold" if share.successes == share.trials else "bold yellow"
         table.add_section()
-        table.add_row(*(Text(words, style=style) for words in _narrow(heading(mission))))
+        table.add_row(*(Text(words, style="bold") for words in _narrow(heading(mission))))
         for one in mission.predicted:
             *told, remark = _narrow(cells(one))
             marked = "bold red" if OUTSIDE in remark else ""
@@ -95,8 +97,8 @@ def _missions_table(missions: Sequence[Compared]) -> Table:
 
 
 def _narrow(row: Sequence[str]) -> tuple[str, ...]:
-    """A row of the table of missions with the mark behind the figure."""
-    figure, *numbers, mark, sigma, remark = row
+    """A row of the table of missions with the mark behind the figure, and without the percentile."""
+    figure, *numbers, mark, sigma, _, remark = row
     return (f"{figure} {mark}".strip(), *(number.replace("+-", "±") for number in numbers), sigma, remark)
 
 

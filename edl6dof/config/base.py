@@ -161,7 +161,7 @@ def param(
     Args:
         default: default value in the unit of the name's suffix, or ``REQUIRED``.
         meaning: one line for the reference table.
-        status: kind of claim that the default value makes.
+        status: origin of the default value, such as ``published`` or ``estimate``.
         source: report, paper or rule behind the default value.
         record: whether compiled code needs it (``False`` for names, files and Python-side switches).
         factory: makes the default instead of ``default`` (for lists and sub-models).

@@ -94,7 +94,9 @@ def literal_names(slot: Slot) -> list[Any]:
 
 
 def bounds(slot: Slot) -> dict[str, Any]:
-    """Bounds by pydantic name (``gt``, ``ge``, ..., ``max_length``), those of the unit included."""
+    """Return the bounds of a parameter by pydantic name (``gt``, ``ge``, ..., ``max_length``), including
+    those that follow from its unit.
+    """
     found = own_bounds(slot)
     if number := {float, int}.intersection(slot.options):
         for limit in (limit for limit in slot.limits if isinstance(limit, Within)):
@@ -230,9 +232,10 @@ def _index(items: list[Any] | tuple[Any, ...], part: str) -> int:
 
 
 def leaves(model: BaseModel, path: str = "", keys: Keys = ()) -> Iterator[tuple[str, Keys, FieldInfo, Any]]:
-    """Yield every value of a validated model without models inside, in declaration order.
+    """Yield every value of a validated model that is not itself a model, in the order of declaration.
 
-    Each comes as path with the names of list items, keys with their indices, declaration and value.
+    Each item consists of the path with the names of list items, the keys with the indices of list items, the
+    declaration, and the value.
     """
     for name, info in type(model).model_fields.items():
         yield from _below(getattr(model, name), info, f"{path}.{name}".lstrip("."), (*keys, name))

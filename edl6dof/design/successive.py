@@ -286,15 +286,15 @@ def _path_limits(landing: RigidLanding, scales: Scales, states: Any) -> list[Any
 
 @dataclass(frozen=True)
 class Converged:
-    """Result of successive convexification: the last flight, and how it was found."""
+    """Result of successive convexification: the trajectory of the last iteration, and how it was found."""
 
-    nodes: Nodes  # the last flight
+    nodes: Nodes  # trajectory of the last iteration
     fuel: float  # kg
     #: largest difference between the end of an interval and the node there, in units of the problem
     defect: float
     programs: int  # convex programs solved
     seconds: float  # time of computing
-    landed: bool  # whether it is a flight: no defect, and no better one near it
+    landed: bool  # True if the trajectory has no defect and no better one is near it
 
 
 def land(landing: RigidLanding, intervals: int = INTERVALS) -> Converged:

@@ -86,7 +86,7 @@ class AtmosphereParams(AtmosphereChoice):
         record=False,
         gt=0.0,
     )
-    density_factor: float = param(1.0, "bias factor on density and pressure", gt=0.0, le=10.0)
+    density_factor: float = param(1.0, "factor on density and pressure", gt=0.0, le=10.0)
     perturbation: PerturbationParams = group(PerturbationParams, "random density profile")
 
     @model_validator(mode="after")
@@ -156,7 +156,9 @@ def air_inputs(params: AtmosphereParams, planet: PlanetParams, place: Place | No
 def fill_atmosphere(
     record: np.void, params: AtmosphereParams, table: np.void, seed: int = 0, case: int = 0
 ) -> None:
-    """Copy the parameters and draw the profiles of density and temperature that belong to (seed, case)."""
+    """Fill an atmosphere ``record`` with the parameters, and with the random profiles of density and
+    temperature of (``seed``, ``case``).
+    """
     fill(record, params)
     record["density_change"] = 0.0
     rows, per_step = int(table["rows"]), float(table["per_step"])

@@ -192,7 +192,7 @@ class SeasonalParams(Params):
     )
     surface_pressure_factor: float = param(
         1.0,
-        "true pressure at the ground over that of the climate, which the flight computer uses",
+        "true pressure at the ground divided by that of the climate, which the flight computer assumes",
         record=False,
         gt=0.0,
         le=10.0,

@@ -98,7 +98,9 @@ GAS = extended(GasParams, ratio=("f8", (_ROWS - 1, 4)))
 
 
 def fill_gas(record: np.void, params: GasParams) -> None:
-    """Copy the parameters and, of a gas that vibrates, the ratio of specific heats against temperature."""
+    """Fill a ``GAS`` record: the parameters and, if the molecules vibrate, the ratio of specific heats over
+    temperature.
+    """
     fill(record, params)
     record["ratio"] = _ratios(params) if params.vibrations else 0.0
 

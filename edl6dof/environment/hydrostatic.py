@@ -1,10 +1,13 @@
-"""Column of air in hydrostatic balance over a place: pressure at the ground, temperature against height.
+"""Column of air in hydrostatic balance over a place, computed from the pressure at the ground and the
+temperature at each height.
 
-The balance is d(ln p)/dh = -g / (R T) = -s.  The column stores s, a smooth function of the height above the
-areoid; ln p is minus its integral and T is g / (R s), so that pressure, density, temperature and gravity
-agree everywhere and not in the rows alone.
-Source: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), section 3.2; the change of the
-temperature with the hour, one wave that dies out upwards, is an estimate [E].
+The balance is d(ln p)/dh = -g / (R T) = -s with the pressure p, the height h above the areoid, gravity g, the
+gas constant R and the temperature T. The column stores the smooth function s(h). ln p is minus the integral
+of s, and T is g / (R s), so that pressure, density, temperature and gravity agree at every height and not
+only in the rows of the table.
+
+Source: hydrostatics of an ideal gas, Anderson, Introduction to Flight (1989), section 3.2. The daily change
+of the temperature, one wave that decreases upwards, is an estimate [E].
 """
 
 from __future__ import annotations
@@ -90,8 +93,15 @@ def fill_climate(
 def fill_column(
     record: np.void, climate: np.void, rows: int, step: float, pressure_factor: float, warmer: np.ndarray
 ) -> None:
-    """Fill a ``COLUMN`` record: the climate with a factor on the pressure at the ground, and ``warmer`` (K,
-    shape (rows,)) in the rows, ``step`` (m) apart.
+    """Fill the ``COLUMN`` record of one case from the climate of the place.
+
+    Args:
+        record: ``COLUMN`` record, written.
+        climate: ``CLIMATE`` record.
+        rows: number of rows of the table.
+        step: height between two rows, m.
+        pressure_factor: factor on the pressure at the ground.
+        warmer: temperature that is added to the climate in each row, K, shape (rows,).
     """
     temperature = np.maximum(climate["temperature"][:rows] + warmer, _COLDEST)
     s = climate["gravity"][:rows] / (climate["gas_constant"] * temperature)

@@ -96,7 +96,9 @@ class Event(Params):
     name: Key = param(REQUIRED, "name in timeline, figures and telemetry", record=False)
     action: Action = param(REQUIRED, "action of the event", record=False)
     component: Key = param(
-        REQUIRED, "object: a part, parachute, engine or surface of the vehicle, or landing_gear", record=False
+        REQUIRED,
+        "part, parachute, engine or surface of the vehicle that the event acts on, or landing_gear",
+        record=False,
     )
     delay_s: float = param(
         0.0, "time from command to action", status="estimate", record=False, ge=0.0, le=60.0
@@ -158,9 +160,10 @@ class Phase(Params):
         """All transitions in the order in which they are tried."""
         if self.until is None:
             return self.transitions
-        values = self.until.model_dump()
-        window = {name: values.pop(name) for name in ("earliest_s", "latest_s")}
-        return [*self.transitions, Transition(when=[Condition(**values)], **window)]
+        until = self.until
+        when = Condition.model_construct(**{name: getattr(until, name) for name in Condition.model_fields})
+        way = Transition.model_construct(when=[when], earliest_s=until.earliest_s, latest_s=until.latest_s)
+        return [*self.transitions, way]
 
 
 class MissionParams(Params):

@@ -62,7 +62,12 @@ class EntryGuidanceParams(_EntryLaws):
         55.0, "bank magnitude before lift control, towards the aim point", ge=0.0, le=180.0
     )
     trim_alpha_deg: float = param(
-        -10.0, "angle of attack until lift control ends", status="published", source="S1", ge=-90.0, le=90.0
+        -10.0,
+        "goal of the angle of attack until lift control ends",
+        status="published",
+        source="S1",
+        ge=-90.0,
+        le=90.0,
     )
     bank_min_deg: float = param(
         15.0, "smallest bank magnitude, which preserves crossrange control", ge=0.0, le=90.0
@@ -113,7 +118,7 @@ class PoweredGuidanceParams(_PoweredLaws):
     full_time_s: float = param(1.0, "shortest time at full thrust after ignition", status="estimate", ge=0.0)
     full_again: float = param(
         1.5,
-        "demand, over the band, from which full thrust is used again",
+        "demand, divided by the upper end of the throttle band, from which full thrust is used again",
         status="estimate",
         ge=1.0,
         le=100.0,
@@ -140,10 +145,12 @@ class ControlParams(_Controllers):
 class RateParams(Params):
     """Divisions of the base cycle at which the parts of the flight software run."""
 
-    base_hz: int = param(50, "base cycle: sensing, navigation, mission sequence", ge=5, le=200)
-    control_every: int = param(2, "attitude control, allocation and modulation", ge=1, le=50)
-    entry_guidance_every: int = param(10, "entry guidance", ge=1, le=500)
-    powered_guidance_every: int = param(5, "powered guidance", ge=1, le=500)
+    base_hz: int = param(50, "rate of the base cycle: sensing, navigation, mission sequence", ge=5, le=200)
+    control_every: int = param(
+        2, "base cycles for each cycle of attitude control, allocation and modulation", ge=1, le=50
+    )
+    entry_guidance_every: int = param(10, "base cycles for each cycle of entry guidance", ge=1, le=500)
+    powered_guidance_every: int = param(5, "base cycles for each cycle of powered guidance", ge=1, le=500)
 
 
 class FlightSoftwareParams(Params):
@@ -173,7 +180,9 @@ class BelievedThruster(Params):
 
 
 class _Thrusters(Params):
-    thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(..., "believed thrusters")
+    thrusters: Annotated[list[BelievedThruster], Capacity(MAX_THRUSTERS)] = param(
+        ..., "thrusters of the on-board model"
+    )
 
 
 CONFIGURATION = record(

@@ -32,7 +32,7 @@ VEHICLE_STATE = record(
     ("wing_time", "f8"),  # s: flight time of that command
     ("burning", FLAG, (MAX_ENGINES,)),  # engines that were commanded to start, and not to stop
     ("ignited", FLAG),  # at least one engine burns
-    ("thrust_lost", "f8"),  # share of the commanded thrust that is believed to be missing
+    ("thrust_lost", "f8"),  # share of the commanded thrust that is lost, as estimated
     ("held_thrust", "f8"),  # N: thrust of a throttle that is believed stuck; 0: none
     ("force_angle", "f8"),  # rad: angle between the unexplained force and -x of B, smoothed
     ("engine", ENGINE_ABILITY),  # ability of all burning engines, less the believed loss

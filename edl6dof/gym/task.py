@@ -22,15 +22,24 @@ BOUND = 10.0
 
 @dataclass(frozen=True)
 class Feature:
-    """Numbers of an observation: name, scale they are divided by, and their source in the memories of the
-    flight computers (``FSW``, shape (flights,)): a dotted path, or a function that returns them, (flights,)
-    or (flights, n).
+    """Numbers of an observation: name, scale they are divided by and its unit, and their source in the
+    memories of the flight computers (``FSW``, shape (flights,)): a dotted path, or a function that returns
+    them, (flights,) or (flights, n).
     """
 
     name: str
     scale: float
+    unit: str
     source: str | Callable[[np.ndarray], np.ndarray] = field(repr=False)
     size: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.name} / {self.scale_and_unit}" + (f", {self.size} numbers" if self.size > 1 else "")
+
+    @property
+    def scale_and_unit(self) -> str:
+        """The scale in words, such as ``60 m/s2``."""
+        return f"{self.scale:g} {self.unit}".rstrip()
 
     def read(self, memories: np.ndarray) -> np.ndarray:
         """Return the numbers in their scale, shape (flights, size)."""
@@ -69,6 +78,12 @@ class Task(ABC):
         self.loaded, self.fleet = loaded, fleet
         self.roles = np.array(loaded.scenario.phase_roles)
 
+    def __str__(self) -> str:
+        """Observation with scales and units, action and reward."""
+        seen = "".join(f"\n  {feature}" for feature in self.features)
+        about = " ".join((self.__doc__ or "").split())
+        return f"{self.title}\nobservation:{seen}\n{about}"
+
     @property
     def observation_space(self) -> spaces.Space:
         """Numbers between -10 and 10, most of them below 1."""
@@ -81,13 +96,15 @@ class Task(ABC):
         return spaces.Box(-1.0, 1.0, (self.size,), np.float32)
 
     def observe(self) -> np.ndarray:
-        """Observation of the knowledge of the flight computers, without truth, shape (flights, size)."""
+        """Return the observation, which contains only what the flight computers know; shape (flights,
+        size).
+        """
         columns = [feature.read(self.fleet.memories) for feature in self.features]
         return np.clip(np.concatenate(columns, axis=1), -BOUND, BOUND).astype(np.float32)
 
     def allowed(self, actions: Any) -> np.ndarray:
-        """Actions of a policy as the task takes them, one for each flight: a number beyond its bound counts
-        as the bound.
+        """Return the actions of a policy as the task uses them, one for each flight; a number beyond its
+        bound is replaced by the bound.
 
         Raises:
             ValueError: the actions have a wrong shape, are not finite, or are no choices of the task.
@@ -135,8 +152,8 @@ class Task(ABC):
         return ~self.fleet.flying
 
     def landing(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Flights that have ended, those that landed within limits, and a reward of 1 for these and -1 for
-        the others that have ended, each shape (flights,).
+        """Return three arrays of shape (flights,): True for flights that have ended, True for those that
+        landed within limits, and the reward, which is 1 for these and -1 for the others that have ended.
         """
         over, success = self.ended(), self.fleet.landed_well(self.loaded.scenario.limits)
         return over, success, np.where(over, np.where(success, 1.0, -1.0), 0.0)

@@ -26,8 +26,9 @@ _FAILS_S: dict[str, float] = {LIFT: 45.0, POWERED_DECELERATION: 0.0}
 
 
 class EntryBank(Task):
-    """Action: bank angle divided by 105 deg.  Reward: at the end 1 less the miss divided by 20 km, or -1 if
-    the parachute may not open there.
+    """Entry guidance. The action is the bank angle divided by 105 deg. The reward is given at the end: 1
+    minus the miss divided by 20 km, or -1 if the state at mortar fire violates a limit or the flight has
+    ended before.
     """
 
     title = "bank angle of the entry"
@@ -35,16 +36,16 @@ class EntryBank(Task):
     role = LIFT
     interval_s, longest_s = 1.0, 300.0
     features = (
-        Feature("altitude", 50e3, "nav.altitude"),
-        Feature("speed", 5000.0, "nav.speed"),
-        Feature("flight_path_angle", 0.3, "nav.flight_path_angle"),
-        Feature("drag", 60.0, "nav.drag"),
-        Feature("bank", pi, "nav.bank"),
-        Feature("range_to_go", 300e3, "guide.range_to_go"),
-        Feature("crossrange", 20e3, "guide.crossrange"),
-        Feature("downrange_to_go", 300e3, "guide.downrange_to_go"),
-        Feature("drag_ratio", 2.0, "guide.drag_ratio"),
-        Feature("lift_ratio", 2.0, "guide.lift_ratio"),
+        Feature("altitude", 50e3, "m", "nav.altitude"),
+        Feature("speed", 5000.0, "m/s", "nav.speed"),
+        Feature("flight_path_angle", 0.3, "rad", "nav.flight_path_angle"),
+        Feature("drag", 60.0, "m/s2", "nav.drag"),
+        Feature("bank", pi, "rad", "nav.bank"),
+        Feature("range_to_go", 300e3, "m", "guide.range_to_go"),
+        Feature("crossrange", 20e3, "m", "guide.crossrange"),
+        Feature("downrange_to_go", 300e3, "m", "guide.downrange_to_go"),
+        Feature("drag_ratio", 2.0, "", "guide.drag_ratio"),
+        Feature("lift_ratio", 2.0, "", "guide.lift_ratio"),
     )
 
     @property
@@ -81,7 +82,7 @@ _DOWN = {"when": [{"quantity": "phase_time_s", "crosses": "above", "value": 3.0}
 
 
 def thrust_axis(memories: np.ndarray) -> np.ndarray:
-    """Direction of the thrust axis (-x of B), north, east and up, shape (flights, 3)."""
+    """Return the direction of the thrust axis (-x of B), north, east and up, shape (flights, 3)."""
     navigated = memories["nav"]
     w, x, y, z = np.moveaxis(navigated["q_I2B"], -1, 0)
     axis = -np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)], axis=-1)
@@ -90,8 +91,9 @@ def thrust_axis(memories: np.ndarray) -> np.ndarray:
 
 
 class PoweredDescent(Task):
-    """Action: acceleration of thrust beyond weight, north, east and up, divided by 5 m/s2.  Reward: decrease
-    of the distance from rest on the ground, at the end 1 for a landing within limits, -1 for any other end.
+    """Powered guidance. The action is the thrust acceleration minus the part that balances gravity, north,
+    east and up, divided by 5 m/s2. The reward of a step is the decrease of speed / (100 m/s) + height /
+    (2,000 m). At the end, 1 is added for a landing within limits, and -1 for any other end.
     """
 
     title = "powered descent by the thrust vector"
@@ -105,14 +107,14 @@ class PoweredDescent(Task):
     role, later_s = POWERED_DECELERATION, 0.6
     interval_s, longest_s = 0.2, 180.0
     features = (
-        Feature("height", 1000.0, "nav.height"),
-        Feature("height near the ground", 20.0, "nav.height"),
-        Feature("v_N", 50.0, "nav.v_N", 3),
-        Feature("v_N near rest", 2.0, "nav.v_N", 3),
-        Feature("thrust_axis", 1.0, thrust_axis, 3),
-        Feature("rates", 0.3, "nav.w_B", 3),
-        Feature("mass", 1000.0, "vehicle.mass"),
-        Feature("thrust", 7500.0, "guide.thrust"),
+        Feature("height", 1000.0, "m", "nav.height"),
+        Feature("height near the ground", 20.0, "m", "nav.height"),
+        Feature("v_N", 50.0, "m/s", "nav.v_N", 3),
+        Feature("v_N near rest", 2.0, "m/s", "nav.v_N", 3),
+        Feature("thrust_axis", 1.0, "", thrust_axis, 3),
+        Feature("rates", 0.3, "rad/s", "nav.w_B", 3),
+        Feature("mass", 1000.0, "kg", "vehicle.mass"),
+        Feature("thrust", 7500.0, "N", "guide.thrust"),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
@@ -177,8 +179,9 @@ def _map(memories: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class HazardDivert(Task):
-    """Action: spot east and north of the middle of the map, 1 at its edges.  Reward: at the end 1 for a
-    landing within limits, those of the ground included, and -1 for any other.
+    """Choice of a landing spot. The action is the spot, east and north of the middle of the map, 1 at its
+    edges. The reward is given at the end: 1 for a landing within limits, including those of the ground, and
+    -1 for any other end.
     """
 
     title = "spot to land on, among rocks and craters"
@@ -187,10 +190,16 @@ class HazardDivert(Task):
     role = HAZARD_AVOIDANCE
     interval_s, longest_s = 1.0, 180.0
     features = (
-        Feature("clearance", _CLEAR_M, clearances, _CELLS * _CELLS),
-        Feature("place", 1.0, lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]), 2),
-        Feature("height", 100.0, "nav.height"),
-        Feature("v_N", 3.0, "nav.v_N", 3),
+        Feature("clearance", _CLEAR_M, "m", clearances, _CELLS * _CELLS),
+        Feature(
+            "place",
+            1.0,
+            "half width of the map",
+            lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]),
+            2,
+        ),
+        Feature("height", 100.0, "m", "nav.height"),
+        Feature("v_N", 3.0, "m/s", "nav.v_N", 3),
     )
 
     def command(self, actions: np.ndarray) -> None:
@@ -216,9 +225,9 @@ def _one_dead(phase: str, names: Sequence[str]) -> tuple[dict[str, Any], ...]:
 
 
 _ATTITUDE = (
-    Feature("attitude_error", 0.5, "demand.attitude_error", 3),
-    Feature("rates", 0.2, "nav.w_B", 3),
-    Feature("duties", 1.0, lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
+    Feature("attitude_error", 0.5, "rad", "demand.attitude_error", 3),
+    Feature("rates", 0.2, "rad/s", "nav.w_B", 3),
+    Feature("duties", 1.0, "", lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
 )
 
 
@@ -232,9 +241,10 @@ class _ThrusterFault(Task):
 
 
 class DeadThruster(_ThrusterFault):
-    """Action: duty of each thruster, -1 for never and 1 for always open, from the release of the backshell
-    on.  Reward: 0.01 (1 - attitude error (rad) - body rate (rad/s)) in each step, -1 where attitude is lost.
-    Success: after 30 s the thrust axis points where guidance wants it.
+    """Allocation with a dead thruster, from backshell release on. The action is the duty of each thruster, -1
+    for never open and 1 for always open. The reward of a step is 0.01 (1 - attitude error (rad) - body rate
+    (rad/s)), or -1 if the attitude is lost. The task succeeds if the thrust axis points in the direction of
+    guidance after 30 s.
     """
 
     title = "attitude of powered descent by single thrusters, one of which is dead"
@@ -244,7 +254,7 @@ class DeadThruster(_ThrusterFault):
     interval_s, longest_s = 0.04, 60.0
     #: s after which it is over; rad and rad/s within which it is done; rad beyond which attitude is lost.
     ends_s, error, rate, lost = 30.0, 0.1, 0.05, 1.0
-    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "disturbance.torque", 3))
+    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "N m", "disturbance.torque", 3))
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
@@ -276,11 +286,12 @@ class DeadThruster(_ThrusterFault):
 
 
 class FaultDiagnosis(_ThrusterFault):
-    """Action: 0 to wait, or the number of a thruster to take out of use, which ends the episode.  Reward: 1
-    less 0.05 for each second, but at least 0.1, if this thruster has failed; -1 if not.
+    """Isolation of a failed thruster. The action is 0 to wait, or the number of a thruster that is not to be
+    used again, which ends the episode. The reward is 1 minus 0.05 for each second, but at least 0.1, if this
+    thruster has failed, and -1 if not.
 
-    A bank reversal, which uses the thrusters, comes some seconds after the beginning.  Fault isolation of the
-    flight software is at work, too; the duties show what it has taken out of use.
+    A bank reversal, which uses the thrusters, follows some seconds after the start. The fault isolation of
+    the flight software is active too; the duties show which thrusters it does not use any more.
     """
 
     title = "which thruster is dead"
@@ -289,8 +300,14 @@ class FaultDiagnosis(_ThrusterFault):
     interval_s, longest_s = 0.2, 60.0
     features = (
         *_ATTITUDE,
-        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"][:, 1:], 5),
-        Feature("imu_rates", 0.2, "nav.imu_rate_B", 3),
+        Feature(
+            "unexplained",
+            200.0,
+            "N or N m",
+            lambda memories: memories["disturbance"]["unexplained"][:, 1:],
+            5,
+        ),
+        Feature("imu_rates", 0.2, "rad/s", "nav.imu_rate_B", 3),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):

@@ -77,11 +77,11 @@ def _put(part: Part, model: Model, line: int, values: Mapping[str, Any]) -> None
 
 
 def expand_daveml(document: Document) -> Document:
-    """Put the content of the files that ``vehicle.daveml`` names in the vehicle; values of the YAML file
-    itself have precedence.
+    """Copy the data of the files named under ``vehicle.daveml`` to the ``vehicle`` section, and return the
+    document; a value in the YAML file has precedence.
 
     Raises:
-        ConfigError: a file is missing, wrong, or beyond the models of a vehicle.
+        ConfigError: a file is missing or wrong, or contains a model that a vehicle cannot have.
     """
     vehicle = document.data.get("vehicle")
     if not isinstance(vehicle, dict):

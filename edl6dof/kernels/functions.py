@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from hashlib import sha256
 from inspect import Parameter, Signature
-from typing import Any, NamedTuple
+from typing import Any
 
 import numba
 import numpy as np
 from numba import types
 from numba.experimental.function_type import FunctionModel, unbox_function_type
-from numba.extending import register_model, typeof_impl, unbox
+from numba.extending import NativeValue, register_model, typeof_impl, unbox
 
 from edl6dof.kernels.cache import compiled, experimental
 from edl6dof.kernels.jit import Kernel, kernel
@@ -122,13 +122,21 @@ def _signature_of(title: str) -> Any:
 register_model(Passed)(FunctionModel)
 
 
-class Given(NamedTuple):
+class Given:
     """A kernel that is passed to the loop as a value of a function type; for the kernel itself numba would
     compile another loop.
+
+    Args:
+        kernel: the kernel.
+        type: type of the function.
+
+    Attributes:
+        address: address of the machine code in memory; 0 until the function is first passed.
     """
 
-    kernel: Any
-    type: Passed  # of the function
+    def __init__(self, kernel: Any, type: Passed) -> None:
+        self.kernel, self.type = kernel, type
+        self.address = 0
 
     def __call__(self, *given: Any, **named: Any) -> Any:
         """Call the kernel, as the loop does without numba's compiler."""
@@ -146,13 +154,33 @@ def _(given: Given, _: Any) -> types.Type:
 
 @unbox(Passed)
 def _(kind: Passed, given: Any, context: Any) -> Any:
-    python = context.pyapi
-    kernel = python.object_getattr_string(given, "kernel")
-    passed = python.object_getattr_string(kernel, "passed")
-    value = unbox_function_type(kind, passed, context)
-    python.decref(passed)
-    python.decref(kernel)
-    return value
+    """Take the address of the function from ``Given.address``, and store it there the first time: numba looks
+    it up in 25 us, which a flight that is flown cycle by cycle would pay for each function in each cycle.
+    """
+    python, builder, model = context.pyapi, context.builder, context.context.data_model_manager[kind]
+    kept = python.object_getattr_string(given, "address")
+    address = python.long_as_voidptr(kept)
+    python.decref(kept)
+    known = model.set(builder, context.context.get_constant_null(kind), address, "jit_addr")
+    is_new = builder.icmp_unsigned("==", address, address.type(None))
+    before = builder.basic_block
+    with builder.if_then(is_new):
+        kernel = python.object_getattr_string(given, "kernel")
+        passed = python.object_getattr_string(kernel, "passed")
+        found = unbox_function_type(kind, passed, context).value
+        number = builder.ptrtoint(
+            model.get(builder, found, "jit_addr"), context.context.get_value_type(types.uintp)
+        )
+        boxed = python.long_from_unsigned_int(number)
+        python.object_setattr_string(given, "address", boxed)
+        python.decref(boxed)
+        python.decref(passed)
+        python.decref(kernel)
+        last = builder.basic_block
+    value = builder.phi(found.type)
+    value.add_incoming(known, before)
+    value.add_incoming(found, last)
+    return NativeValue(value)
 
 
 def choice(

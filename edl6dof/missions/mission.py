@@ -1,12 +1,12 @@
 """A mission: a scenario with ``published`` values of a real flight and a file that disperses it
 (``campaign``).
 
-The comparison gives mean and standard deviation of a figure over dispersed flights, and the difference of the
-flown value in standard deviations.  These combine the standard deviation of a single flight, because the real
-flight was one random draw, with that of the flown value if it is published.  A figure counts as predicted
-within three of them, the criterion of the authors of POST2 for Mars 2020, which about nine in ten figures
-met.  The share of flights below the flown value is given as well; it does not depend on the distribution.
-A value that was planned, that the scenario commands, or that repeats another one is shown but not counted.
+The comparison gives mean and standard deviation of a figure over dispersed flights, the difference of the
+flown value in standard deviations, and the percentile of the flown value among the flights.  The standard
+deviations combine that of a single flight, because the real flight was one random draw, with that of the
+flown value if it is published.  :mod:`.agreement` describes the statistics of all values together.  A value
+that was planned, that the scenario commands, that repeats another one, or whose source was not at hand is
+shown but not counted.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,6 @@ import numpy as np
 from edl6dof.calibration.problem import CalibrationFile
 from edl6dof.campaign.design.plan import Plan, plan_of
 from edl6dof.campaign.executor import Row, fly_rows
-from edl6dof.campaign.statistics import Proportion
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import find_shipped, shipped_names
 from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
@@ -30,6 +29,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.figures import FigureOfMerit
 from edl6dof.metrics.published import PublishedFigure, PublishedPair, published_figures
+from edl6dof.missions.agreement import Distance, distance, percentile, score
 from edl6dof.scenario.loading import CALIBRATION
 
 PUBLISHED, CAMPAIGN = "published", "campaign"
@@ -129,8 +129,10 @@ def figure_values(rows: Sequence[Row], name: str, published: PublishedFigure) ->
     return [nan if value is None else published.of(float(value)) for value in values]
 
 
-#: Standard deviations within which a flown value is predicted, and the required share of predicted values.
-WITHIN, GOAL = 3.0, 0.9
+#: Status of a published value whose source was not at hand.
+RECALLED = "recalled"
+#: Standard deviations beyond which a flown value is marked.
+WITHIN = 3.0
 
 
 class Predicted(NamedTuple):
@@ -143,12 +145,19 @@ class Predicted(NamedTuple):
     mean: float  # over the flights that reached it
     deviation: float  # standard deviation over them
     flights: int  # number of these flights
-    below: float  # share of them below the flown value, or that meet the requirement
+    share: float  # percentile of the flown value (0 to 1), or share of the flights that meet the requirement
+    score: float  # continuous ranked probability score of the flown value; nan for a requirement
 
     @property
     def counted(self) -> bool:
-        """True if the published value is a flown value that flights can predict."""
-        return self.published.counted
+        """True if the published value is a flown value that flights can predict, from a source at hand."""
+        return not self.published.required and self.evidence == "flown"
+
+    @property
+    def evidence(self) -> str:
+        """Kind of evidence of the published value; a flown value quoted from memory is ``recalled``."""
+        own = self.published.evidence
+        return RECALLED if own == "flown" and self.status == RECALLED else own
 
     @property
     def sigmas(self) -> float:
@@ -157,7 +166,7 @@ class Predicted(NamedTuple):
 
     @property
     def inside(self) -> bool:
-        """True if the flown value is predicted, which requires a flight that reached it."""
+        """True if the flown value lies within three sigma, which requires a flight that reached it."""
         return bool(abs(self.sigmas) <= WITHIN)
 
 
@@ -169,6 +178,7 @@ class Compared(NamedTuple):
     successes: int  # number of them within all limits
     causes: dict[str, int]  # causes of the other outcomes, with their numbers
     predicted: tuple[Predicted, ...]  # every published figure with its prediction
+    distance: Distance | None  # of the flown values that count and were not fitted
 
     @property
     def counted(self) -> list[Predicted]:
@@ -179,16 +189,24 @@ class Compared(NamedTuple):
 def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
     """Compare the rows of a mission's flights with each published figure."""
     causes = Counter(row["cause"] for row in rows if row["cause"])
-    found = []
+    found, independent = [], []
     for figure, published in mission.compared:
-        values = np.array(figure_values(rows, figure.name, published))
-        values = values[np.isfinite(values)]
+        every = np.array(figure_values(rows, figure.name, published))
+        values = every[np.isfinite(every)]
         mean = float(values.mean()) if len(values) else nan
         deviation = float(values.std(ddof=1)) if len(values) > 1 else 0.0 * mean
         about = (figure, published, mission.status[figure.name], figure.name in mission.fitted)
-        found.append(Predicted(*about, mean, deviation, len(values), _share(values, published)))
+        spread = (mean, deviation, len(values), _share(values, published))
+        own = nan if published.required else score(values, published.number)
+        found.append(Predicted(*about, *spread, own))
+        if found[-1].counted and not found[-1].fitted and len(values):
+            independent.append((every, published.number, published.sigma or 0.0))
+    columns, flown, sigma = (
+        map(np.array, zip(*independent, strict=True)) if independent else [np.empty((0, 0))] * 3
+    )
+    away = distance(columns.T, flown, sigma)
     successes = sum(bool(row["success"]) for row in rows)
-    return Compared(mission.name, len(rows), successes, dict(causes.most_common()), tuple(found))
+    return Compared(mission.name, len(rows), successes, dict(causes.most_common()), tuple(found), away)
 
 
 def _share(values: np.ndarray, published: PublishedFigure) -> float:
@@ -196,16 +214,9 @@ def _share(values: np.ndarray, published: PublishedFigure) -> float:
         return nan
     if published.required:
         return float(np.mean([bool(published.kept(float(value))) for value in values]))
-    return float(np.mean(values < published.number))
+    return percentile(values, published.number, published.sigma or 0.0)
 
 
-def inside(predicted: Sequence[Predicted]) -> Proportion:
-    """Return the share of the counted flown values that are predicted."""
-    counted = [one for one in predicted if one.counted]
-    return Proportion(sum(one.inside for one in counted), len(counted))
-
-
-def reached_goal(missions: Sequence[Compared]) -> bool:
-    """Return whether the share of predicted flown values of all missions together is at least the goal."""
-    share = inside([one for mission in missions for one in mission.predicted]).value
-    return isfinite(share) and share >= GOAL
+def percentiles(missions: Sequence[Compared], fitted: bool = False) -> list[float]:
+    """Percentiles of the flown values that count, with or without those that scenarios were calibrated on."""
+    return [one.share for mission in missions for one in mission.counted if fitted or not one.fitted]

@@ -8,7 +8,7 @@ import csv
 import io
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from math import floor, isfinite, isinf, log10
+from math import floor, isfinite, isinf, log10, sqrt
 from pathlib import Path
 from typing import Any, get_args
 
@@ -21,15 +21,16 @@ from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
 from edl6dof.metrics.published import Evidence
-from edl6dof.missions.mission import GOAL, WITHIN, Compared, Predicted, inside, reached_goal
+from edl6dof.missions.agreement import DECIDES, LEVELS, coverage, is_calibrated
+from edl6dof.missions.mission import RECALLED, WITHIN, Compared, Predicted, percentiles
 from edl6dof.report.document import significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
 
-HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "")
+HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "percentile>", "")
 _LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
-#: Remarks in the last column: not predicted; no prediction, as the scenario was calibrated on it.
+#: Remarks in the last column: beyond three sigma; no prediction, as the scenario was calibrated on it.
 OUTSIDE, FITTED = "outside", "fitted"
 
 
@@ -42,6 +43,7 @@ def cells(one: Predicted) -> tuple[str, ...]:
         published(one) if one.published.planned else "",
         f"[{_LETTERS[one.status]}]" if one.status in _LETTERS else "",
         sigmas(one),
+        f"{100.0 * one.share:.0f}" if one.counted and one.flights else "",
         remark(one),
     )
 
@@ -70,19 +72,33 @@ def sigmas(one: Predicted) -> str:
 
 
 def remark(one: Predicted) -> str:
-    """Say whether the flown value is predicted, or why it does not count; for a requirement the share that
-    meets it.
+    """Say whether the flown value lies within three sigma, or why it does not count; for a requirement the
+    share that meets it.
     """
     if one.published.required:
-        return f"{100.0 * one.below:.3g} % meet" if isfinite(one.below) else "not reached"
-    verdict = ("" if one.inside else OUTSIDE) if one.counted else one.published.evidence
+        return f"{100.0 * one.share:.3g} % meet" if isfinite(one.share) else "not reached"
+    verdict = ("" if one.inside else OUTSIDE) if one.counted else one.evidence
     return ", ".join(filter(None, (verdict, FITTED if one.fitted else "")))
 
 
 def heading(mission: Compared) -> tuple[str, ...]:
-    """Heading row of a mission in the table: numbers of flights and of predicted values."""
-    share = inside(mission.predicted)
-    return mission.name, counted(mission.flights, "flight"), *[""] * 4, f"{share.successes} of {share.trials}"
+    """Heading row of a mission in the table: numbers of flights and of flown values in the central 68 %."""
+    share = coverage(percentiles([mission], fitted=True), DECIDES)
+    return mission.name, counted(mission.flights, "flight"), *[""] * 5, f"{share.successes} of {share.trials}"
+
+
+def distances(missions: Sequence[Compared]) -> list[str]:
+    """Mahalanobis distance of each mission."""
+    return [
+        f"{mission.name}: Mahalanobis distance {sqrt(one.squared):.1f} for {counted(one.values, 'value')}, "
+        f"not fitted; probability of a larger one {_percent(one.farther)}"
+        for mission in missions
+        if (one := mission.distance)
+    ]
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %" if share >= 1e-4 else "below 0.01 %"
 
 
 def failures(mission: Compared) -> list[str]:
@@ -93,7 +109,7 @@ def failures(mission: Compared) -> list[str]:
 
 
 def causes(mission: Compared) -> list[str]:
-    """Every flown value that counts and is not predicted, with its cause."""
+    """Every flown value that counts and lies beyond three sigma, with its cause."""
     return [
         f"{mission.name}, {one.figure.meaning}: {one.published.because or 'no cause is known'}"
         for one in mission.counted
@@ -104,20 +120,30 @@ def causes(mission: Compared) -> list[str]:
 def outcome(missions: Sequence[Compared]) -> str:
     """Return the result of all missions in one line."""
     every = [one for mission in missions for one in mission.predicted]
-    share, own = inside(every), inside([one for one in every if not one.fitted])
-    if not share.trials:
+    own, all_of_them = percentiles(missions), percentiles(missions, fitted=True)
+    if not all_of_them:
         return "no flown value counts" + _not_counted(every)
-    words = f"{share.successes} of {counted(share.trials, 'flown value')} within {WITHIN:g} sigma, "
-    words += f"{100.0 * share.value:.0f} %; goal {100.0 * GOAL:.0f} %"
-    if own.trials < share.trials:
-        words += f" (without fitted values: {own.successes} of {own.trials}, {100.0 * own.value:.0f} %)"
+    words = f"{counted(len(own), 'flown value')} not fitted: {_coverages(own)}"
+    if len(own) < len(all_of_them):
+        words += f"; with fitted values ({len(all_of_them)}): {_coverages(all_of_them)}"
+    words += f"; {sum(one.inside for one in every if one.counted)} within {WITHIN:g} sigma"
     return words + _not_counted(every)
+
+
+def _coverages(places: Sequence[float]) -> str:
+    """Shares of flown values in the central intervals, with 95 % confidence intervals."""
+    found = []
+    for level in LEVELS:
+        share = coverage(places, level)
+        value, low, high = (100.0 * x for x in (share.value, *share.interval))
+        found.append(f"{value:.0f} % ({low:.0f} to {high:.0f}) in the central {100.0 * level:.0f} %")
+    return ", ".join(found)
 
 
 def _not_counted(predicted: Sequence[Predicted]) -> str:
     """Return the numbers of values that are not counted, by reason; empty if there are none."""
-    found = Counter(one.published.evidence for one in predicted if not one.published.required)
-    words = ", ".join(f"{found[kind]} {kind}" for kind in get_args(Evidence)[1:] if found[kind])
+    found = Counter(one.evidence for one in predicted if not one.published.required)
+    words = ", ".join(f"{found[kind]} {kind}" for kind in (*get_args(Evidence)[1:], RECALLED) if found[kind])
     return f"; not counted: {words}" if words else ""
 
 
@@ -138,7 +164,7 @@ def write_validation(missions: Sequence[Compared], rows: Mapping[str, Sequence[R
 
 
 def to_markdown(missions: Sequence[Compared]) -> str:
-    """One table of all missions, and below it the values that are not predicted, with causes."""
+    """One table of all missions, and below it distances, and values beyond three sigma with causes."""
     lines = [
         "| " + " | ".join(head.rstrip(">") for head in HEADS) + " |",
         "|" + "|".join("---:" if head.endswith(">") else "---" for head in HEADS) + "|",
@@ -147,7 +173,7 @@ def to_markdown(missions: Sequence[Compared]) -> str:
         lines.append("| " + " | ".join(f"**{words}**" if words else "" for words in heading(mission)) + " |")
         for one in mission.predicted:
             lines.append("| " + " | ".join(cells(one)).replace("+-", "±") + " |")
-    lines += ["", f"{outcome(missions)}.", ""]
+    lines += ["", f"{outcome(missions)}.", "", *(f"- {words}" for words in distances(missions)), ""]
     for mission in missions:
         lines += [f"- {words}" for words in (*causes(mission), *failures(mission))]
     return "\n".join(lines) + "\n"
@@ -165,24 +191,31 @@ def to_csv(missions: Sequence[Compared]) -> str:
 
 def to_json(missions: Sequence[Compared]) -> str:
     """The table with the outcome of each mission's flights; a figure without a value is null."""
-    share = inside([one for mission in missions for one in mission.predicted])
+    places = percentiles(missions)
     found = {
         "edl6dof_version": __version__,
-        "flown_values": share.trials,
-        "inside": share.successes,
-        "goal_reached": reached_goal(missions),
+        "flown_values": len(places),
+        "central_intervals": [_interval(places, level) for level in LEVELS],
+        "calibrated": is_calibrated(places),
         "missions": [
             {
                 "mission": mission.name,
                 "flights": mission.flights,
                 "within_limits": mission.successes,
                 "causes": mission.causes,
+                "mahalanobis": mission.distance._asdict() if mission.distance else None,
                 "figures": [_plain(one) for one in mission.predicted],
             }
             for mission in missions
         ],
     }
     return json_text(found)
+
+
+def _interval(places: Sequence[float], level: float) -> dict[str, float]:
+    found = coverage(places, level)
+    low, high = found.interval
+    return {"level": level, "inside": found.successes, "low": low, "high": high}
 
 
 def _plain(one: Predicted) -> dict[str, Any]:
@@ -198,10 +231,11 @@ def _plain(one: Predicted) -> dict[str, Any]:
         "kind": next(kind for kind in kinds if getattr(published, kind) is not None),
         "published_sigma": published.sigma,
         "status": one.status,
-        "evidence": None if published.required else published.evidence,
+        "evidence": None if published.required else one.evidence,
         "calibrated_on": one.fitted,
         "sigmas": None if published.required or published.planned else one.sigmas,
-        "share_below": one.below,
+        "share": one.share,
+        "crps": one.score,
         "inside": one.inside if one.counted else None,
         "because": published.because or "",
     }

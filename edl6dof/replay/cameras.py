@@ -60,8 +60,8 @@ class Spheres(NamedTuple):
 
 
 class Cameras(Recorder):
-    """Writes ``near``, which moves with the centre of mass, ``camera`` with its ``scale_bar``,
-    ``camera_away``, and the director's ``tour``.
+    """Recorder of the views: ``near``, which moves with the centre of mass, ``camera`` with its
+    ``scale_bar``, ``camera_away``, and ``tour``, which follows the events of the flight.
     """
 
     def statics(self) -> None:

@@ -206,7 +206,7 @@ def _bursts(firing: np.ndarray) -> np.ndarray:
 
 
 class Readout(Recorder):
-    """Writes ``/readout``, and ``/legend``: the meaning of the colours of the scene."""
+    """Recorder of ``/readout``, and of ``/legend``, which explains the colours of the scene."""
 
     def statics(self) -> None:
         """Write a table of things and colours."""

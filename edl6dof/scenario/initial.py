@@ -36,7 +36,7 @@ class InitialState(Params):
 
     epoch_utc: str = param(
         "",
-        "date and time of t = 0: season and hour of air of model seasonal, and for the record",
+        "date and time of t = 0, which set season and hour of the atmosphere model seasonal",
         record=False,
     )
     altitude_m: float | None = _either(
@@ -68,7 +68,7 @@ class InitialState(Params):
         "planet-relative velocity north, east, down; instead of speed, flight-path angle and azimuth"
     )
     vertical: Literal["geodetic", "geocentric"] = param(
-        "geodetic", "which vertical the velocity refers to", record=False
+        "geodetic", "vertical that the initial velocity refers to", record=False
     )
     alpha_deg: float | None = _either(
         "angle of attack; 0 when neither it nor yaw_pitch_roll_deg is given",

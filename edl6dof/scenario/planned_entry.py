@@ -83,7 +83,13 @@ def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
 
 
 def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
-    """Rows, ``PLANNED``, of the open-loop profile of an onboard record with its cosine shifted."""
+    """Fly the planned bank profile open loop, and return the trajectory as ``PLANNED`` rows.
+
+    Args:
+        record: ``ONBOARD`` record.
+        start: state at the entry interface.
+        shift: number that is added to the cosine of every planned bank angle.
+    """
     cycle = 1.0 / float(record["rates"]["base"])
     stride = max(int(record["rates"]["entry_guidance_every"]), round(SHORTEST_STEP / cycle))
     history = np.zeros(MAX_ROWS, PLANNED)

@@ -118,13 +118,17 @@ class Scenario(Params):
     description: str = param("", "subject of the scenario in a few words", record=False)
     plugins: list[str] = param(
         None,
-        "Python files beside the scenario whose laws it may choose: they run as your own code",
+        "Python files, relative to the folder of the scenario, whose members it may choose; "
+        "they run with your user rights",
         record=False,
         factory=list,
     )
     seed: int = param(1, "seed of all random profiles", record=False, ge=0)
     profile: int = param(
-        0, "which random profiles of that seed; a campaign gives each case its own", record=False, ge=0
+        0,
+        "number of the random profiles of this seed; a campaign gives each case its own",
+        record=False,
+        ge=0,
     )
     planet: PlanetParams = section("planet, by name or in full")
     atmosphere: AtmosphereParams = group(AtmosphereParams, "atmosphere")
@@ -152,7 +156,8 @@ class Scenario(Params):
     )
     truth: dict[str, Any] = param(
         None,
-        "dotted paths whose true value differs from the belief, such as 'vehicle.mass.entry_kg: 1300'",
+        "true values that differ from the on-board model, by dotted path, such as "
+        "'vehicle.mass.entry_kg: 1300'",
         record=False,
         factory=dict,
     )
@@ -261,7 +266,9 @@ def start_of(scenario: Scenario) -> Start:
 
 
 def vertical_axes(scenario: Scenario) -> tuple[float, float, float, float]:
-    """Sines and cosines of latitude and longitude of the vertical that the initial velocity refers to."""
+    """Return sine and cosine of the latitude, and sine and cosine of the longitude, of the vertical that the
+    initial velocity refers to.
+    """
     planet, (lat, lon) = scenario.planet, scenario.initial.place
     vertical = lat
     if scenario.initial.vertical == "geocentric":

@@ -46,7 +46,7 @@ class FlowMetersParams(Params):
     )
     scale_pct: float = param(1.0, "error of the scale factor", status="estimate", ge=0.0, le=50.0)
     bias_pct: float = param(
-        0.2, "zero offset, of the full flow of the branch", status="estimate", ge=0.0, le=50.0
+        0.2, "zero offset, as a share of the full flow of the branch", status="estimate", ge=0.0, le=50.0
     )
     noise_pct: float = param(
         0.1,

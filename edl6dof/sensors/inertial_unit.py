@@ -56,7 +56,7 @@ class GyroParams(Params):
         330.0, "largest rate", status="estimate", source="above 300 deg/s: Hu et al. 2022", gt=0.0
     )
     persistence_s: float = param(
-        0.0, "how long the flag of saturation stays on", status="estimate", ge=0.0, le=60.0
+        0.0, "time for which the saturation flag stays set", status="estimate", ge=0.0, le=60.0
     )
 
     _names_differ = field_validator("axes")(unique_names)
@@ -80,7 +80,7 @@ class AccelerometerParams(Params):
     quantum_m_s: float = param(2e-5, "velocity of one count; 0: none", status="estimate", ge=0.0)
     range_g0: float = param(40.0, "largest specific force", status="estimate", gt=0.0)
     persistence_s: float = param(
-        0.0, "how long the flag of saturation stays on", status="estimate", ge=0.0, le=60.0
+        0.0, "time for which the saturation flag stays set", status="estimate", ge=0.0, le=60.0
     )
 
     _names_differ = field_validator("axes")(unique_names)

@@ -165,8 +165,8 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 
 @kernel
 def covered(population, view, cells, i, j, smallest, largest, steepest):
-    """Area (m2) that members of a population take whose middle lies in the cell (``i``, ``j``), of diameters
-    from ``smallest`` to ``largest`` (m), and with a wall as steep as ``steepest`` unless that is negative.
+    """Area (m2) covered by the members of a population whose middle lies in the cell (``i``, ``j``), with
+    diameters from ``smallest`` to ``largest`` (m) and walls at least as steep as ``steepest`` (below 0: any).
     """
     south, north = span(cells, i, j, 0)
     west, east = span(cells, i, j, 1)
@@ -231,7 +231,7 @@ class LandingCameraParams(ImagerParams):
     )
     smallest_px: float = param(
         2.0,
-        "diameter of the smallest obstacle that it makes out, in pixels",
+        "diameter of the smallest obstacle that it detects, in pixels",
         status="estimate",
         gt=0.0,
         le=100.0,
@@ -239,7 +239,7 @@ class LandingCameraParams(ImagerParams):
     exposure_s: float = param(0.002, "time for which an image is exposed", status="estimate", ge=0.0, le=1.0)
     steepest_deg: float = param(
         8.0,
-        "slope from which on ground is an obstacle",
+        "slope from which the ground counts as an obstacle",
         status="recalled",
         source="Chang'e-3",
         gt=0.0,

@@ -53,7 +53,7 @@ class LobeParams(Params):
     )
     side_lobe_deg: float = param(
         15.0,
-        "angle off the beam in which a near part outshines the ground",
+        "angle from the beam within which the echo of a near part is stronger than that of the ground",
         status="estimate",
         ge=0.0,
         le=90.0,
@@ -103,7 +103,7 @@ class RadarParams(Hardware):
     )
     range_noise_m: float = param(0.1, "noise of the range", status="estimate", ge=0.0)
     range_noise_relative_pct: float = param(
-        0.25, "additional noise, of the range", status="estimate", ge=0.0, le=100.0
+        0.25, "additional noise, as a share of the range", status="estimate", ge=0.0, le=100.0
     )
     range_scale_pct: float = param(
         0.15,
@@ -117,7 +117,7 @@ class RadarParams(Hardware):
     )
     speed_noise_m_s: float = param(0.033, "noise of the speed", status="estimate", ge=0.0)
     speed_noise_relative_pct: float = param(
-        0.25, "additional noise, of the speed", status="estimate", ge=0.0, le=100.0
+        0.25, "additional noise, as a share of the speed", status="estimate", ge=0.0, le=100.0
     )
     speed_scale_pct: float = param(
         0.05,

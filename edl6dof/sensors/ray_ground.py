@@ -65,8 +65,9 @@ def height_over_ground(case, tables, areoid, r_F):
 
 @kernel
 def ray_to_ground(case, tables, areoid, r_F, beam_F, height, up_F):
-    """Range (m) from ``r_F`` along the unit vector ``beam_F`` to the ground, and the cosine of the incidence
-    there; both 0 where the beam misses it: down the slope of the beam, then by the secant.
+    """Return the range (m) from ``r_F`` along the unit vector ``beam_F`` to the ground, and the cosine of the
+    angle of incidence there; both are 0 if the beam misses the ground. The first step follows the slope of
+    the beam, the next ones the secant method.
     """
     down = -dot(beam_F, up_F)
     if down < LEVEL or height <= 0.0:
@@ -87,8 +88,9 @@ def ray_to_ground(case, tables, areoid, r_F, beam_F, height, up_F):
 
 @kernel
 def ray_to_part(lobes, plant, rotation, r_F, v_F, beam_F, ground_range, spin):
-    """Range (m) and closing speed (m/s) of the nearest part that the beam takes for the ground, range 0 for
-    none: nearer than the ground, in the main lobe, or from close by in a side lobe.
+    """Return the range (m) and closing speed (m/s) of the nearest separated part that the beam takes for the
+    ground; range 0 if there is none. Such a part is nearer than the ground and in the main lobe, or close by
+    and in a side lobe.
     """
     c, s = rotation
     nearest, closing = 0.0, 0.0

@@ -95,7 +95,8 @@ class Flight(FlightRecords):
         return resolved_text(self.loaded)
 
     def attitude(self, t: float) -> Quaternion:
-        """Attitude at time ``t`` (s): rotation from I axes to B axes, interpolated between rows.
+        """Return the attitude ``q_I2B`` (it rotates the axes of I into those of B) at time ``t`` (s),
+        interpolated between the rows of the telemetry.
 
         Raises:
             ValueError: ``t`` lies outside the telemetry.
@@ -104,8 +105,12 @@ class Flight(FlightRecords):
 
 
 def attitude_at(t: float, times: np.ndarray, columns: Sequence[np.ndarray]) -> Quaternion:
-    """Attitude at ``t`` (s) between the rows of a flight: their times (s, shape (rows,)) and the four columns
-    of quaternions from I to B (w, x, y, z).
+    """Return the attitude at ``t`` (s), interpolated between rows.
+
+    Args:
+        t: flight time, s.
+        times: flight times of the rows, s, shape (rows,).
+        columns: the four components w, x, y, z of ``q_I2B``, each shape (rows,).
 
     Raises:
         ValueError: ``t`` lies outside the rows.

@@ -56,7 +56,9 @@ FUNCTIONS = together(CYCLE, SOFTWARE, *(one.type for one in PLACES.values()))
 
 
 class Functions(tuple[Any, ...]):
-    """All functions passed to the loop; of a plain tuple of functions numba would print warnings."""
+    """Tuple of all functions that are passed to the compiled loop. It is a class because numba prints
+    warnings for a plain tuple of functions.
+    """
 
 
 @typeof_impl.register(Functions)

@@ -132,8 +132,8 @@ def works_with_finite(sensors, memory):
 def first_cause(
     plant: np.ndarray, outputs: np.ndarray, work: np.ndarray, sensors: np.ndarray, fsw: np.ndarray
 ) -> str | None:
-    """The first quantity that is not finite, in the order of dependence, ``None`` when all are finite.  All
-    records have shape (1,); ``work`` contains the stage in which a step failed.
+    """Return the name of the first quantity that is not finite, in the order of computation; ``None`` if all
+    are finite. All records have shape (1,); ``work`` contains the stage in which a step failed.
     """
     own = [name for name in plant.dtype.names or () if name not in _FROM_OUTPUTS]
     steps = (("plant", plant[own]), ("stage", work["stage"]), ("outputs", outputs), ("k", work["k"]))

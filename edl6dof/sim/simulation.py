@@ -48,13 +48,13 @@ class SteppedFlight:
             self.__dict__.pop(name, None)
 
     def step(self, command: Command | None = None, cycles: int = 1) -> bool:
-        """Fly some base cycles of the flight software under a command; returns whether it still flies.
+        """Fly base cycles of the flight software under a command; return False at the end of the flight.
 
         Args:
             command: values by name, each of which replaces the value of the flight software for these cycles:
                 ``bank_deg``, ``bank_rate_deg_s``, ``thrust_n`` (north, east, down), ``throttle`` (of full
                 thrust), ``torque_nm`` (x, y, z of B), ``duties`` (0..1 of each thruster, or by name),
-                ``isolate`` (names of thrusters to be used no more), ``safe_spot_m`` and ``coarse_spot_m``
+                ``isolate`` (names of thrusters not to use), ``safe_spot_m`` and ``coarse_spot_m``
                 (north and east of the landing site), ``estimate`` (``r_I_m``, ``v_I_m_s``, ``q_I2B``,
                 ``w_B_rad_s``, ``height_m``).
             cycles: base cycles, of 1 / ``flight_software.rates.base_hz`` s each.
@@ -70,8 +70,9 @@ class SteppedFlight:
         return self.running.advance(cycles) == FLYING
 
     def observe(self, names: Iterable[str] | None = None) -> dict[str, Any]:
-        """Estimates of the flight computer after the last cycle, by name: navigation, guidance, phase; zeros
-        before the first.  They contain no truth beyond the readings of its instruments.
+        """Return the estimates of the flight computer after the last cycle, by name: navigation, guidance,
+        phase. Before the first cycle they are zero. They contain nothing that the flight computer does not
+        know.
 
         Args:
             names: names of the quantities, or one name; ``None``: all, which takes longer.
@@ -89,8 +90,8 @@ class SteppedFlight:
             raise ValueError(unknown("observation", error.args[0], readers)) from None
 
     def look_ahead(self) -> dict[str, Any]:
-        """Estimates that the flight computer will have once the next base cycle begins: the first observation
-        at the start of a flight, before its first cycle.
+        """Return the estimates that the flight computer will have after the next base cycle, without flying
+        this cycle; at the start of a flight, the first observation.
         """
         now = self.running.snapshot()
         self.running.advance(1)
@@ -99,29 +100,38 @@ class SteppedFlight:
         return found
 
     def own(self) -> dict[str, Any]:
-        """Last demands of the flight software itself, without the commands that replaced them, by name."""
+        """Return the last demands that the flight software itself computed, by name, including those that
+        commands replaced.
+        """
         return {name: read() for name, read in self._wanted.items()}
 
     def truth(self) -> dict[str, Any]:
-        """The true state, which no flight computer has: for rewards and figures."""
+        """Return the true state by name, which no flight computer knows; meant for rewards and figures of
+        merit.
+        """
         self.running.look()
         return {name: read() for name, read in self._true.items()}
 
     def linear_plant(self) -> LinearModel:
-        """Linear model of the plant at its present state, from torque and force of the thrusters."""
+        """Return the linear model of the plant at its present state; its inputs are torque and force of the
+        thrusters.
+        """
         return linear_plant(self.running)
 
     def attitude_margins(self) -> dict[str, Margins]:
-        """Margins of the attitude loop of the present phase, by axis of B, with the hold of the torque as a
-        delay of half a control cycle; for a controller that is linear about the state, as ``thrust_vector``
-        is.
+        """Return the stability margins of the attitude loop of the present phase, by axis of B.
+
+        The torque is held for a control cycle, which counts as a delay of half a cycle. The controller must
+        be linear near the present state, as ``thrust_vector`` is.
         """
         rates = self.loaded.scenario.flight_software.rates
         held = 0.5 * rates.control_every / rates.base_hz
         return margins(self.linear_plant(), control_gain(self.running), held)
 
     def state(self) -> State:
-        """State of the flight, without commands, for :meth:`restore` and ``edl6dof fly --from``."""
+        """Return the state of the flight, without commands; :meth:`restore` and ``edl6dof fly --from`` read
+        it.
+        """
         found = self.running.state()
         found.fsw["external"] = np.zeros(1, EXTERNAL)
         return found
@@ -144,8 +154,8 @@ class SteppedFlight:
         self._commander.take_up()
 
     def flight(self) -> Flight:
-        """The flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last reset or
-        restore.  It shares its records with this flight: call again after the next step.
+        """Return the flight so far, as :func:`edl6dof.fly` returns it, with the telemetry since the last
+        reset or restore. It shares its records with this flight: call the method again after the next step.
 
         Raises:
             ValueError: no telemetry is kept, or no cycle has been flown.

@@ -61,5 +61,7 @@ def from_x_to(direction: np.ndarray) -> np.ndarray:
 
 
 def xyzw(q: np.ndarray) -> np.ndarray:
-    """Scalar last, as rerun and scipy take it."""
+    """Return quaternions with the scalar last, as rerun and scipy expect, of quaternions with the scalar
+    first; shape (..., 4).
+    """
     return np.roll(q, -1, axis=-1)

@@ -80,7 +80,7 @@ def wrapped(angle, turn):
 
 @kernel
 def catmull_rom(profile, rows, row, t):
-    """Catmull-Rom cubic through ``profile`` from ``row`` (t = 0) to the next (t = 1)."""
+    """Evaluate the Catmull-Rom cubic through ``profile`` between ``row`` (t = 0) and the next row (t = 1)."""
     p1 = profile[row]
     p2 = profile[row + 1]
     p0 = profile[max(row - 1, 0)]

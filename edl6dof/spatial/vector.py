@@ -59,7 +59,7 @@ def dot(a, b):
 
 @kernel
 def cross(a, b):
-    """Vector product."""
+    """Return the vector product a x b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

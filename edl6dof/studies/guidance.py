@@ -101,7 +101,9 @@ class Vehicle(NamedTuple):
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """The scenario with a flight that ends at mortar fire."""
+        """Return the scenario of the vehicle with its changes and ``more`` overrides (``PATH=VALUE``); the
+        flight ends at mortar fire.
+        """
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
@@ -230,7 +232,9 @@ def entries(vehicle: Vehicle, flights: int) -> list[Values]:
 
 
 def cases(vehicle: Vehicle, scenario: Scenario, law: str, flights: int) -> list[Case]:
-    """All cases of a law on a vehicle."""
+    """Return all cases of a law on a vehicle: ``flights`` dispersed entries, and some for each changed
+    condition.
+    """
     label = {"vehicle": vehicle.name, "law": law}
     some = range(max(flights // _PER_CONDITION, 1))
     planned = [
@@ -277,7 +281,9 @@ def lift_up(vehicle: Vehicle, rows: Sequence[Row], flights: int) -> list[Row]:
 
 
 def out_of_reach(rows: Sequence[Row]) -> set[int]:
-    """Numbers of the entries that end short by more than the target with lift up all the way."""
+    """Return the numbers (``profile``) of the entries that fall short of the aim point by more than
+    ``TARGET_KM`` even with lift up; ``rows``: flights of :func:`lift_up`.
+    """
     return {row["profile"] for row in rows if row.get("parachute_downrange_m", 0.0) < -1e3 * TARGET_KM}
 
 

@@ -49,7 +49,7 @@ def kinds(rows: Iterable[Row], label: str) -> list[str]:
 
 
 def column(rows: Iterable[Row], name: str, missing: float = nan) -> np.ndarray:
-    """A figure of each row, shape (rows,); ``missing`` where a flight has none."""
+    """Return a figure of each row, shape (rows,); ``missing`` for a flight without this figure."""
     return np.array([missing if row.get(name) is None else row[name] for row in rows], dtype=float)
 
 

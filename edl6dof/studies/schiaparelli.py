@@ -78,7 +78,9 @@ def run(session: Session) -> Report:
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
-    """Flights of any nutation phase in their own gusts; a longer series begins with a shorter one."""
+    """Return the cases of ``flights`` entries, each with another phase of nutation and other gusts. Case k
+    does not depend on the number of flights.
+    """
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
     turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
     return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]
@@ -88,8 +90,9 @@ def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
 
 
 def swing(flight: Flight) -> dict[str, float]:
-    """Swing of the capsule under the opening canopy, time of the gyros' flag, error of the vertical after it,
-    time of the first failed check, and whether the flight crashed (neither landed nor only tipped over).
+    """Return figures of a flight: swing of the capsule under the opening canopy, time for which a gyro's
+    saturation flag is set, error of the vertical afterwards, time of the first failed check, and whether it
+    crashed (neither landed nor only tipped over).
     """
     crashed = float(flight.code not in (LANDED, TIPPED_OVER))
     t, fired = flight.telemetry["t_s"], flight.figures.get("parachute_s", nan)

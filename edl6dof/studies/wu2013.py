@@ -184,7 +184,7 @@ def all_cases(runs: int) -> list[Case]:
 
 
 def count(experiment: Experiment, runs: int) -> int:
-    """Number of entries of an experiment with each of its laws."""
+    """Return the number of entries that each law of an experiment flies."""
     return min(runs, max(FEWEST, round(experiment.share * runs)))
 
 

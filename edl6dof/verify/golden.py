@@ -88,7 +88,7 @@ def _first_sample(golden: np.ndarray, found: np.ndarray) -> tuple[int, str] | No
 
 
 def read_golden() -> dict[str, Trace]:
-    """The stored golden traces by name."""
+    """Return the stored golden traces by name."""
     hashes = json.loads((FOLDER / "hashes.json").read_text(encoding="utf-8"))
     with np.load(FOLDER / "samples.npz", allow_pickle=False) as samples:
         return {name: Trace(found, samples[name]) for name, found in hashes.items()}

@@ -17,7 +17,7 @@ from edl6dof.campaign.executor import fly_rows
 from edl6dof.cli.evidence_tables import show_missions
 from edl6dof.config.errors import ConfigError
 from edl6dof.metrics.published import PublishedFigure, published_problems
-from edl6dof.missions.mission import Mission, compare, inside, load_mission, reached_goal, shipped_missions
+from edl6dof.missions.mission import Mission, compare, load_mission, percentiles, shipped_missions
 from edl6dof.missions.write import causes, cells, failures, outcome, to_csv
 
 #: A dropped body: the campaign draws its entry mass and the density; true speed after 2 s is about 52 m/s.
@@ -34,7 +34,7 @@ initial:
    flight_path_angle_deg: -80.0, azimuth_deg: 0.0}}
 published:
   peak_dynamic_pressure_pa: {{value: {pressure}, sigma: 0.5, because: "a made-up value"}}   # [P] nowhere
-  touchdown_s: 100.0                                                                   # [R] never reached
+  touchdown_s: 100.0                                                                   # [D] never reached
   heat_load_j_cm2: {{at_most: 1000.0}}                                                  # [P] a requirement
 campaign:
   cases: 5
@@ -115,14 +115,25 @@ def test_what_is_no_evidence_is_shown_and_not_counted(drop):
 
     planned = told("planned")
     pressure, mach, required = planned.predicted
-    assert cells(pressure)[2:] == ("", "9.7 +- 0.5", "[P]", "", "planned")
-    assert cells(mach)[2:] == ("5", "", "[R]", "-inf", "commanded")
+    assert cells(pressure)[2:] == ("", "9.7 +- 0.5", "[P]", "", "", "planned")
+    assert cells(mach)[2:] == ("5", "", "[D]", "-inf", "", "commanded")
     assert cells(required)[2:4] == ("<= 1000", "")
-    assert planned.counted == [] and causes(planned) == [] and inside(planned.predicted).trials == 0
+    assert planned.counted == [] and causes(planned) == [] and percentiles([planned]) == []
     assert outcome([planned]) == "no flown value counts; not counted: 1 planned, 1 commanded"
     table = list(csv.DictReader(to_csv([planned]).splitlines()))
     assert [one["evidence"] for one in table] == ["planned", "commanded", ""]
     assert {one["inside"] for one in table} == {""} and table[0]["sigmas"] == ""
+
+
+def test_a_value_quoted_from_memory_does_not_count(drop):
+    path = drop(9.7)
+    path.write_text(path.read_text().replace("# [P] nowhere", "# [R] from memory"))
+    recalled = compare(
+        load_mission(str(path)), [{"peak_dynamic_pressure_pa": 19.0, "success": True, "cause": ""}]
+    )
+    assert cells(recalled.predicted[0])[4:] == ("[R]", "+18.6", "", "recalled")
+    assert [one.figure.name for one in recalled.counted] == ["touchdown_s"]
+    assert outcome([recalled]).endswith("; not counted: 1 recalled")
 
 
 def test_a_requirement_is_no_evidence():
@@ -149,15 +160,20 @@ def test_distance_to_a_flown_value_counts_its_own_sigma_and_that_of_one_flight()
 def test_a_value_is_predicted_within_three_standard_deviations(drop):
     near, far = made_up(drop, 9.0, 11.0), made_up(drop, 19.0, 19.1)
     pressure = near.predicted[0]
-    assert (pressure.mean, pressure.flights, pressure.below) == (10.0, 2, 0.5)
+    assert (pressure.mean, pressure.flights) == (10.0, 2)
+    # the flown 9.7 has a standard deviation of 0.5: it lies 1.4 above one flight and 2.6 below the other
+    assert pressure.share == pytest.approx(0.5 * (0.9192 + 0.0047), abs=1e-4)
+    assert pressure.score == pytest.approx(0.5 * (0.7 + 1.3) - 0.5 * 1.0) and cells(pressure)[6] == "46"
     assert pressure.deviation == pytest.approx(2.0**0.5) and pressure.inside
     assert pressure.sigmas == pytest.approx(0.3 / (2.0 + 0.25) ** 0.5)
     assert not far.predicted[0].inside and cells(far.predicted[0])[-1] == "outside"
     # a figure that no flight reached is not predicted; a requirement is no flown value
-    assert [one.inside for one in near.counted] == [True, False] and inside(near.predicted).trials == 2
+    assert [one.inside for one in near.counted] == [True, False] and len(percentiles([near])) == 2
     assert cells(near.predicted[2])[-1] == "50 % meet"
-    assert not reached_goal([near])
-    assert "1 of 2 flown values within 3 sigma, 50 %" in outcome([near])
+    assert outcome([near]) == (
+        "2 flown values not fitted: 50 % (9 to 91) in the central 50 %, 50 % (9 to 91) in the central 68 %, "
+        "50 % (9 to 91) in the central 95 %; 1 within 3 sigma"
+    )
     assert causes(far) == [
         "drop, peak dynamic pressure: a made-up value",
         "drop, touchdown: no cause is known",
@@ -187,7 +203,7 @@ def test_the_table_has_whole_words_in_80_columns(monkeypatch, capsys, tmp_path):
 def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(drop, tmp_path):
     done = called("validate", drop(), "-n", "12", "--jobs", "1", cwd=tmp_path)
     folder = tmp_path / "runs" / "validation"
-    assert done.returncode == 1 and "drop, touchdown: no cause is known" in done.stdout, done.stderr
+    assert done.returncode == 0 and "drop, touchdown: no cause is known" in done.stdout, done.stderr
     names = {path.name for path in folder.iterdir()}
     assert names == {
         *(
@@ -201,11 +217,13 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     }
     rows = list(csv.DictReader((folder / "validation.csv").open(encoding="utf-8")))
     assert [row["figure"] for row in rows] == ["peak_dynamic_pressure_pa", "touchdown_s", "heat_load_j_cm2"]
-    assert [row["status"] for row in rows] == ["published", "recalled", "published"]
+    assert [row["status"] for row in rows] == ["published", "derived", "published"]
     found = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
     figures = {one["figure"]: one for one in found["missions"][0]["figures"]}
-    assert (found["flown_values"], found["inside"], found["goal_reached"]) == (2, 1, False)
-    assert figures["touchdown_s"]["sigmas"] is None and figures["heat_load_j_cm2"]["share_below"] == 1.0
+    assert (found["flown_values"], found["calibrated"]) == (2, True)
+    assert [one["inside"] for one in found["central_intervals"]] == [1, 1, 1]
+    assert found["missions"][0]["mahalanobis"]["values"] == 1
+    assert figures["touchdown_s"]["sigmas"] is None and figures["heat_load_j_cm2"]["share"] == 1.0
     mean = float(rows[0]["mean"])
     assert mean == pytest.approx(12.5, abs=1.5)
     assert f"| {mean:.1f} ± " in (folder / "validation.md").read_text(encoding="utf-8")
@@ -213,7 +231,7 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     assert again.stdout == done.stdout
     before = (folder / "validation.csv").read_bytes()
     assert (
-        called("validate", drop(), "-n", "12", cwd=tmp_path).returncode == 1
+        called("validate", drop(), "-n", "12", cwd=tmp_path).returncode == 0
     )  # the folder is there: beside it
     assert (folder / "validation.csv").read_bytes() == before
     assert (tmp_path / "runs" / "validation-2" / "validation.csv").read_bytes() == before

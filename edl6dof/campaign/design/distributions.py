@@ -172,7 +172,7 @@ class Discrete(DistributionParams):
     kind: Literal["discrete"] = param(REQUIRED, "one of several values")
     choices: list[Any] = param(REQUIRED, "the values", min_length=1)
     weights: list[float] | None = param(
-        None, "how likely each is, relative to the others; all alike if not given", min_length=1
+        None, "relative probability of each choice; equal if not given", min_length=1
     )
 
     @model_validator(mode="after")

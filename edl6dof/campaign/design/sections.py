@@ -52,7 +52,9 @@ else:  # the members, plugins included, are known only at run time
 class Correlated(Params):
     """Parameters dispersed together: normally about their nominal values, with a covariance matrix."""
 
-    of: Of = param("truth", "whose values differ: truth, belief or both")
+    of: Of = param(
+        "truth", "values that are changed: of the truth, of the on-board model (belief), or of both"
+    )
     paths: list[str] = param(REQUIRED, "dotted paths", min_length=2)
     three_sigma: list[float] | None = param(None, "three standard deviations of each; needs correlation")
     correlation: list[list[float]] | None = param(None, "correlation matrix")
@@ -94,11 +96,15 @@ class Correlated(Params):
 class FaultDraw(Params):
     """A fault that happens in some of the flights."""
 
-    chance: float = param(REQUIRED, "probability in one flight", gt=0.0, le=1.0)
+    chance: float = param(REQUIRED, "probability of a fault in one flight", gt=0.0, le=1.0)
     one_of: list[dict[str, Any]] = param(
-        REQUIRED, "faults as under faults:, one of which happens, each as likely", min_length=1
+        REQUIRED,
+        "faults, written as in the section faults of a scenario; one of them occurs, all equally likely",
+        min_length=1,
     )
-    later_s: float = param(0.0, "up to this much later than the fault says, uniformly", ge=0.0)
+    later_s: float = param(
+        0.0, "largest random delay after the moment of the fault, uniformly distributed", ge=0.0
+    )
 
 
 class CampaignParams(Params):
@@ -124,7 +130,7 @@ class CampaignParams(Params):
         factory=dict,
     )
     belief: dict[str, Distribution] = param(
-        None, "dispersions of the flight computer's belief alone; the truth stays", factory=dict
+        None, "dispersions of the on-board model alone; the truth does not change", factory=dict
     )
     both: dict[str, Distribution] = param(
         None, "dispersions of the truth that the flight computer knows", factory=dict
@@ -143,7 +149,7 @@ class Axis(Params):
     """One axis of a sweep: a parameter and its values."""
 
     path: str = param(REQUIRED, "dotted path")
-    of: Of = param("both", "whose value it is: truth, belief or both")
+    of: Of = param("both", "value that is changed: of the truth, of the on-board model (belief), or of both")
     values: list[Any] | None = param(None, "the values", min_length=1)
     first: float | None = param(None, "first value, instead of values")
     last: float | None = param(None, "last value, with first")
@@ -182,7 +188,7 @@ class SweepParams(Params):
 class FaultMoment(Params):
     """A moment at which components fail, and its name."""
 
-    name: Title = param(REQUIRED, "what the moment is called: 60 s, mortar, a phase")
+    name: Title = param(REQUIRED, "name of the moment, such as 60 s, mortar, or a phase")
     at: FaultStart = section("when the fault begins")
 
 
@@ -192,13 +198,13 @@ class FaultGroup(Params):
     kind: str = param(REQUIRED, "kind of fault")
     component: Component = param(REQUIRED, "kind of component that fails")
     names: list[str] = param(REQUIRED, "components that fail, one after the other", min_length=1)
-    moments: list[FaultMoment] = param(REQUIRED, "when they fail", min_length=1)
+    moments: list[FaultMoment] = param(REQUIRED, "moments at which they fail", min_length=1)
 
 
 class FaultMatrixParams(Params):
     """Faults of which each flight has one, or several at once."""
 
-    groups: list[FaultGroup] = param(REQUIRED, "what fails, and when", min_length=1)
+    groups: list[FaultGroup] = param(REQUIRED, "components that fail, and moments", min_length=1)
     together: int = param(1, "components that fail at the same moment", ge=1, le=4)
 
 

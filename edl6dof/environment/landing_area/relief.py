@@ -158,7 +158,9 @@ def _laws(params: LandingAreaParams) -> dict[str, Law]:
 
 @kernel
 def relief(area, tiles, north, east):
-    """Height (m) and rise per metre towards north and east at a place (m from the site): bilinear."""
+    """Interpolate the ground bilinearly at ``north``, ``east`` (m from the site); return its height (m) over
+    the terrain map and its slopes towards north and east (m/m).
+    """
     if share_at(area, north, east) == 0.0:
         return 0.0, 0.0, 0.0
     step = area.cell

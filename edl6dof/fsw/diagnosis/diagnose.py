@@ -71,16 +71,19 @@ class DiagnosisParams(Params):
         2.0, "smallest lateral force residual of a healthy vehicle along an axis", status="estimate", gt=0.0
     )
     model_error: float = param(
-        0.1, "fraction by which believed thrust and inertia may be wrong", status="estimate", ge=0.0, le=1.0
+        0.1, "relative error of thrust and inertia of the on-board model", status="estimate", ge=0.0, le=1.0
     )
     memory_cycles: float = param(
         200.0, "memory of the evidence, in cycles in which the thruster was used", gt=1.0
     )
     prior: float = param(
-        16.0, "log of the odds for a healthy vehicle: the price of a false alarm", gt=0.0, le=100.0
+        16.0,
+        "natural logarithm of the prior odds of a healthy vehicle; a larger value gives fewer false alarms",
+        gt=0.0,
+        le=100.0,
     )
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
-    streak: int = param(2, "cycles in a row in which the confidence must be reached", ge=1, le=50)
+    streak: int = param(2, "consecutive cycles in which the confidence must be reached", ge=1, le=50)
     loss_least: float = param(
         0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
     )

@@ -40,7 +40,7 @@ TRIED_AGAIN = 3.0
 class ExerciseParams(Params):
     """Opposed test pulses."""
 
-    enabled: bool = param(True, "whether resting thrusters are tested")
+    enabled: bool = param(True, "whether idle thrusters are tested")
     every_s: float = param(
         60.0, "time without use after which a thruster is tested; each is tested once in a phase", gt=0.0
     )
@@ -48,8 +48,10 @@ class ExerciseParams(Params):
         13.5, "time from the start of a phase to the first test: none while a parachute opens", ge=0.0
     )
     pause_s: float = param(1.0, "time from one test to the next", gt=0.0)
-    rest_s: float = param(0.7, "replaces every_s for a horizontal pair while flying sideways", gt=0.0)
-    spacing_s: float = param(0.04, "replaces pause_s while flying sideways", gt=0.0)
+    rest_s: float = param(
+        0.7, "replaces every_s for pairs of horizontal thrusters while the lander flies sideways", gt=0.0
+    )
+    spacing_s: float = param(0.04, "replaces pause_s while the lander flies sideways", gt=0.0)
     suspicion: float = param(4.0, "evidence from which a thruster is tested again at once", gt=0.0)
 
 

@@ -64,7 +64,8 @@ class FlowParams(Params):
 
     model_error: float = param(
         0.03,
-        "relative error of the believed flow in a cycle, that of the valve times included",
+        "relative error of the flow that is computed from the commands of a cycle, including "
+        "that of the valve times",
         status="estimate",
         ge=0.0,
         le=1.0,
@@ -73,7 +74,11 @@ class FlowParams(Params):
         0.12, "fraction of flow lost from which a thruster is reported", status="estimate", gt=0.0, le=1.0
     )
     common_least: float = param(
-        0.03, "loss in all branches from which the propellant is the cause", status="estimate", gt=0.0, le=1.0
+        0.03,
+        "loss in all branches from which it is attributed to the propellant supply",
+        status="estimate",
+        gt=0.0,
+        le=1.0,
     )
 
 

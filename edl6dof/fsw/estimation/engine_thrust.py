@@ -1,19 +1,19 @@
-"""Comparison of measured and commanded engine thrust: loss of thrust, and stuck throttle.
+"""Comparison of measured and commanded engine thrust, which detects a loss of thrust and a stuck throttle.
 
 Loss of thrust: while the commanded thrust is steady, the ratio of measured to commanded thrust is filtered
-with a first-order lag. The drag of the lander counts as thrust and hides a little of the loss; a thrust above
-the command counts as no loss. A loss is believed once it exceeds a bound that dispersed masses and thrusts of
-healthy engines do not reach; from then on the filtered loss is used, until the engines stop.
+with a first-order lag. The drag of the lander counts as thrust and hides a part of the loss; a thrust above
+the command counts as no loss. A loss is accepted when it exceeds a bound that healthy engines with dispersed
+masses and thrusts do not reach. From then on the filtered loss is used, until the engines stop.
 
-Stuck throttle: the measured thrust stays constant while its command falls. The measured thrust is smoothed.
-When it is steady, thrust and command are stored as a reference for later changes. If the thrust then follows
-a change of the command, even in part, the reference is renewed: a weak engine gives less, and drag or a
-thruster stuck on adds to the measured thrust. If the command has fallen and the thrust is steady, the
-throttle is stuck. A throttle that stops on its way to the lower end of its band has followed in part, and its
-command falls no further: it counts as stuck if the steady thrust exceeds the command by more than drag and
-thrusters can explain, a share of the weight. Either is believed until the end of the flight, and the believed
-thrust is updated whenever the measured one is steady. A rising command without effect is no evidence: a weak
-engine behaves alike.
+Stuck throttle: the smoothed measured thrust stays constant although its command falls. When the measured
+thrust is steady, thrust and command are stored as a reference for later changes. If the thrust then follows a
+change of the command, even in part, the reference is renewed, because a weak engine follows only in part, and
+drag or a thruster stuck on adds to the measured thrust. If the command has fallen and the thrust is steady,
+the throttle is stuck. A throttle that stops on its way to the lower end of its band has followed in part, and
+its command falls no further. It counts as stuck if the steady thrust exceeds the command by a share of the
+weight that drag and thrusters cannot explain. In both cases the throttle counts as stuck until the end of the
+flight, and the estimated thrust is updated whenever the measured thrust is steady. A command that rises
+without effect is no evidence: a weak engine shows the same.
 
 Source: this project; a bias of the thrust estimated from accelerometers: Crassidis and Junkins, Optimal
 Estimation of Dynamic Systems (2011), section 5.3, with the first-order lag as its steady gain.
@@ -39,9 +39,9 @@ class EngineShortfallParams(Params):
     )
     lag_s: float = param(0.5, "lag of the filtered loss", status="estimate", gt=0.0)
     believed_from: float = param(
-        0.1, "loss, over the command, from which it is believed; 1: never", status="estimate", gt=0.0, le=1.0
+        0.1, "relative loss of thrust from which it is accepted; 1: never", status="estimate", gt=0.0, le=1.0
     )
-    most: float = param(0.5, "largest loss that is believed", status="estimate", ge=0.0, lt=1.0)
+    most: float = param(0.5, "largest loss that is accepted", status="estimate", ge=0.0, lt=1.0)
 
 
 ENGINE_SHORTFALL = record(
@@ -86,15 +86,22 @@ class StuckThrottleParams(Params):
     """Belief in a throttle that is stuck."""
 
     lag_s: float = param(0.2, "lag with which the measured thrust is smoothed", status="estimate", gt=0.0)
-    settled_s: float = param(1.0, "time of deviation before it is believed", status="estimate", ge=0.0)
+    settled_s: float = param(
+        1.0, "duration of the deviation after which the throttle is judged stuck", status="estimate", ge=0.0
+    )
     believed_from: float = param(
-        0.2, "fall of the command without effect, over it, that is believed", status="estimate", gt=0.0
+        0.2,
+        "fall of the command without effect on the thrust, divided by the present command, "
+        "from which the throttle is judged stuck",
+        status="estimate",
+        gt=0.0,
     )
     over_from: float = param(
         0.4,
-        "thrust above its command, over the weight, from which it is believed: more than axial thrusters "
-        "and drag without a canopy give, less than an engine stuck at the lower end of its band has if it "
-        "stops the lander in the air",
+        "excess of the thrust over its command, divided by the weight, from which the "
+        "throttle is judged stuck: more than axial thrusters and drag without a canopy give, "
+        "less than an engine stuck at the lower end of its band has if it stops the lander in"
+        " the air",
         status="estimate",
         gt=0.0,
     )

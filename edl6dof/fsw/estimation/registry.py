@@ -114,7 +114,10 @@ class EstimationParams(_Estimators):
     engine_shortfall: EngineShortfallParams = group(EngineShortfallParams, "belief in a loss of thrust")
     held_thrust: StuckThrottleParams = group(StuckThrottleParams, "belief in a stuck throttle")
     force_angle_lag_s: float = param(
-        1.0, "lag of the force angle; longer than a leak until diagnosis stops it", status="design", gt=0.0
+        1.0,
+        "time constant of the force angle; longer than the time in which diagnosis stops a leak",
+        status="design",
+        gt=0.0,
     )
 
 

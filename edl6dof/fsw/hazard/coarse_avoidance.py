@@ -135,14 +135,26 @@ class CoarseParams(Params):
     """Coarse avoidance at the start of powered descent."""
 
     halved_from_deg: float = param(
-        3.0, "velocity to vertical, angle from which the image is halved", status="estimate", ge=0.0, le=90.0
+        3.0,
+        "angle of the velocity to the vertical from which the image is divided into halves",
+        status="estimate",
+        ge=0.0,
+        le=90.0,
     )
     halved_to_deg: float = param(
-        60.0, "angle of velocity to vertical up to which it is halved", status="estimate", ge=0.0, le=90.0
+        60.0,
+        "angle of the velocity to the vertical up to which the image is divided into halves",
+        status="estimate",
+        ge=0.0,
+        le=90.0,
     )
     divert_m: float = param(170.0, "distance of the target into the chosen part", status="estimate", ge=0.0)
     lead_s: float = param(
-        12.0, "time over which the drift leads to the target", status="estimate", ge=0.0, le=60.0
+        12.0,
+        "time of drift at the present velocity that is added to the position of the target",
+        status="estimate",
+        ge=0.0,
+        le=60.0,
     )
     keep_clear_m: float = param(
         150.0, "least distance of the target from the drift of the backshell", status="estimate", ge=0.0

@@ -108,7 +108,10 @@ class ChoiceParams(Params):
     """The cost of a spot."""
 
     clearance_m: float = param(
-        2.0, "distance from the nearest unsafe cell beyond which more has no value", status="design", ge=0.0
+        2.0,
+        "distance from the nearest unsafe cell beyond which a larger distance has no value",
+        status="design",
+        ge=0.0,
     )
     clearance_worth: float = param(
         50.0, "cost (m) of a metre of missing clearance", status="design", ge=0.0, le=1e4

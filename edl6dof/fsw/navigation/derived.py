@@ -1,26 +1,28 @@
-"""Quantities that mission logic, guidance and control use, from the estimated state and onboard models alone.
+"""Quantities that mission logic, guidance and control use, computed from the estimated state and the on-board
+models alone.
 
-Velocity is relative to the planet: the actual wind is not known on board, so angle of attack, sideslip, bank
-and Mach number here differ from the truth by the wind. A second angle of attack and sideslip allow for the
-mean wind that was expected before the flight; they differ from the truth by the rest of the wind, and are
-used where the vehicle is to be aligned with the air flow.
+Velocity is relative to the planet. The true wind is not known on board, so angle of attack, sideslip, bank
+angle and Mach number differ from the true ones. A second angle of attack and sideslip include the mean wind
+that was expected before the flight. They are used where the vehicle has to be aligned with the air flow.
 
-Drag is the component of the specific force along the air flow at the believed trim: the vehicle trims to the
-actual air flow, while the planet-relative velocity differs from it in direction by wind over speed. A
-projection on this velocity would count part of the lift as drag, with a sign that changes with the bank
-angle. An error of the trim angle has a small effect: lift times the error. Lift is the component across the
-flow in the expected wind, because a projection by the trim angle would lose drag times its error, which is
-the information wanted; users filter the effect of unexpected wind.
+Drag is the component of the specific force along the air flow at the expected trim angle. The vehicle trims
+relative to the true air flow, whereas the direction of the planet-relative velocity has an error of wind
+divided by speed. A projection on this velocity would count part of the lift as drag, with a sign that changes
+with the bank angle. An error of the trim angle has a small effect on drag, lift times the error. Lift is the
+component normal to the flow in the expected wind. With the trim angle it would have an error of drag times
+the error of the trim angle, as large as the changes of lift that have to be measured. The users of lift
+filter the effect of the unexpected wind.
 
-The ratio of measured drag to that of the believed air and vehicle, and the speed, pass fading-memory filters.
-Changes by the motion of the vehicle (climb, deceleration, drag coefficient) are in the believed drag without
-lag; only the ratio (gusts, density waves, thrusters, noise) is filtered. Where the air is as believed, or
-differs by a factor, the filtered drag is the measured one without lag. In wind, lift changes the
-planet-relative speed, but not the air-relative one: the speed in believed drag and energy is integrated from
-drag and gravity alone, and approaches the navigated speed slowly. Otherwise the reference drag, a function of
-energy, would change with every change of the bank angle. Source: the fading-memory filters of density and
-lift-to-drag ratio of numerical entry guidance (Brunner & Lu 2008, eqs. 33-34; Lu 2014, section V.C); the
-filter of the speed: this project.
+The ratio of measured drag to the drag of the on-board models, and the speed, pass fading-memory filters.
+Changes due to the motion of the vehicle (descent, deceleration, drag coefficient) are in the modelled drag
+without lag; only the ratio (gusts, density waves, thrusters, noise) is filtered. If the air is as modelled,
+or differs by a constant factor, the filtered drag is the measured drag without lag. In wind, lift changes the
+planet-relative speed but not the air-relative speed. The speed in modelled drag and energy is therefore
+integrated from drag and gravity alone, and approaches the navigated speed slowly. Otherwise the reference
+drag, a function of energy, would change with every change of the bank angle.
+
+Source: the fading-memory filters of density and lift-to-drag ratio of numerical entry guidance (Brunner & Lu
+2008, eqs. 33-34; Lu 2014, section V.C); the filter of the speed: this project.
 """
 
 from __future__ import annotations
@@ -68,7 +70,7 @@ NAV = record(
     ("flight_path_angle", "f8"),
     ("azimuth", "f8"),  # rad: of the planet-relative velocity, from north, positive to the east
     ("v_N", "f8", (3,)),  # m/s, N: planet-relative velocity north, east, down
-    ("site_L", "f8", (3,)),  # m, L: position east, north, up of the landing site
+    ("site_L", "f8", (3,)),  # m, L: position relative to the landing site: east, north, up
     ("alpha", "f8"),  # rad: angle of attack atan2(w, u) of the planet-relative velocity; positive nose up
     # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
     ("beta", "f8"),
@@ -110,8 +112,8 @@ def expected_wind(table, altitude):
 
 @kernel
 def drag_and_lift(force_B, alpha):
-    """Drag and lift (m/s2; lift up at zero bank) in a specific force ``force_B`` (m/s2) at the angle of
-    attack ``alpha`` (rad).
+    """Return drag and lift (m/s2; lift is positive up at zero bank) of the specific force ``force_B`` (m/s2)
+    at the angle of attack ``alpha`` (rad).
     """
     s, c = sincos(alpha)
     return -(force_B[0] * c + force_B[2] * s), force_B[0] * s - force_B[2] * c
@@ -183,10 +185,18 @@ class DragFilterParams(Params):
     """Fading memories of measured drag and speed."""
 
     time_constant_s: float = param(
-        1.0, "lag of the drag ratio; 0: drag and energy as measured", status="estimate", ge=0.0, le=100.0
+        1.0,
+        "time constant of the drag ratio; 0: drag and energy as measured",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
     )
     speed_time_constant_s: float = param(
-        10.0, "time constant of speed changes not by drag and gravity", status="estimate", gt=0.0, le=100.0
+        10.0,
+        "time constant with which the filtered speed follows changes that drag and gravity do not explain",
+        status="estimate",
+        gt=0.0,
+        le=100.0,
     )
     least_drag_m_s2: float = param(
         0.5, "drag below which drag and energy are as measured", status="estimate", gt=0.0

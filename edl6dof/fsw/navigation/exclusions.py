@@ -36,15 +36,18 @@ class BeamWatchParams(Params):
 
     enabled: bool = param(True, "whether beams are excluded")
     refused_looks: int = param(
-        30, "score of a beam, refused less used looks, at which it is excluded", ge=1, le=10000
+        30, "score of a beam, rejected minus used readings, at which it is excluded", ge=1, le=10000
     )
     silent_looks: int = param(
-        30, "looks in a row in which it lacks the echo that most beams have", ge=1, le=10000
+        30, "consecutive looks without an echo, while at least half of the beams have one, that "
+"exclude a beam", ge=1, le=10000
     )  # fmt: skip
     silent_angle_deg: float = param(
         45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
     )
-    agreed_looks: int = param(100, "looks in a row that agree before a beam is used again", ge=1, le=10000)
+    agreed_looks: int = param(
+        100, "consecutive looks without rejection after which a beam is used again", ge=1, le=10000
+    )
 
 
 _SCORES = record(
@@ -115,7 +118,9 @@ class StarWatchParams(Params):
     """Exclusion of the star tracker."""
 
     enabled: bool = param(True, "whether the star tracker is excluded")
-    patience_s: float = param(2.0, "time without an expected fix at which it is excluded", gt=0.0, le=1e4)
+    patience_s: float = param(
+        2.0, "time without an expected fix after which the star tracker is excluded", gt=0.0, le=1e4
+    )
     margin_m: float = param(
         500.0, "margin above the lowest altitude of star fixes from which one is expected", ge=0.0, le=1e6
     )

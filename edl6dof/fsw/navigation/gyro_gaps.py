@@ -1,24 +1,25 @@
-"""Rotation of the body while too few gyros are within their range, and smoothing of such a gap afterwards.
+"""Bridging of a gap in which too few gyros are within their range, and smoothing of the gap afterwards.
 
-Bridge: the torque follows from the accelerometers: under a parachute the riser pulls at a known point of a
-body of known mass, centre and inertia. The rate w follows from Euler's equations with the force m f (f:
-specific force) at that point, and without torque where nothing pulls. The unit, at l from the centre of mass,
-reads f + w' x l + w x (w x l): a linear equation for w'. When the gyros are back in range they show the error
-of the rate. A torque error proportional to the force, as by a wrong centre of mass, causes an angle error
-proportional to the rate error; this rough correction is added at once. Left out: torque of air and thrusters,
-except for the part that grows in the same way.
+Bridge: Euler's equations give the rate w. Under a parachute, the torque is that of the riser, which pulls at
+a known point of a body of known mass, centre of mass and inertia with the force m f (f: specific force at the
+centre of mass). Without a riser force the torque is taken as zero. The inertial unit, at the position l from
+the centre of mass, measures f + w' x l + w x (w x l); with Euler's equations this is a linear equation for
+w'. When the gyros are back in range, they show the error of the computed rate. A torque error in proportion
+to the force, as from a wrong centre of mass, causes an angle error in proportion to the rate error; this
+first correction is made at once. Left out: the torque of air and thrusters, except for a part that grows with
+the same law.
 
-Smoothing: for half a second before and a short time after the gap the gyros show the difference of the
-angular acceleration from that by the riser alone. For pitch and yaw each, this difference is fitted by
+Smoothing: for half a second before the gap and a short time after it, the gyros show the part of the angular
+acceleration that the riser does not explain. For pitch and yaw each, this part is fitted by
 
     a f_x + b f_lateral + c + d s + e 6 s (1 - s),
 
-with f the specific force and s the time over the gap: the terms are the riser pull off the believed centre of
-mass, a wrong inertia or arm, and the torque of the air, linear in time with a bulge in between. The rate
-error at the end of the gap is one more equation, which mostly determines the bulge. The missing angle is the
-fit, integrated twice over the gap in the axes of the rotating body, less the correction that was added at the
-end of the gap. Left out: roll, about which nothing pulls; the velocity error due to the wrong attitude, which
-the radar corrects.
+with the specific force f and the fraction s of the gap that has passed. The terms represent an error of the
+centre of mass (a), an error of inertia or lever arm (b), and the torque of the air, linear in time (c, d)
+with a bulge in the gap (e). The rate error at the end of the gap is one more equation, which mostly
+determines the bulge. The fit is integrated twice over the gap, in the axes of the rotating body; the result
+minus the first correction is the missing angle. Left out: roll, about which the riser exerts no torque, and
+the velocity error due to the wrong attitude, which the radar corrects.
 
 Source: this project; Euler's equations; linear equation: Sherman and Morrison 1950; least squares with prior:
 Gelb, Applied Optimal Estimation (1974), section 4.

@@ -1,14 +1,16 @@
-"""Integrity checks of height, velocity and vertical of the solution.
+"""Guards: plausibility checks of height, speed and vertical of the solution.
 
 Four checks, each with a switch, detect: a height below the ground while no footpad touches it; a jump of the
-height, relative to the vertical velocity, beyond its uncertainty; a speed that contradicts the radar beams;
-echoes of beams that, by the attitude, point above the horizon. A height that jumps is withheld for some time:
-the output is the last plausible height, propagated with the vertical velocity. If another check fails, the
-attitude counts as lost until the vertical is found again (:mod:`.recovery`); meanwhile the output is the
-height by the echoes for x of B straight down, or, before the first echo, at least the ceiling of the radar.
+height, compared with the integrated vertical velocity, beyond its uncertainty; a speed that contradicts the
+radar beams; echoes of beams that point above the horizon according to the estimated attitude. A height that
+jumps is withheld for some time: the output is the last plausible height, propagated with the vertical
+velocity. If another check fails, the attitude counts as lost until the vertical is determined again
+(:mod:`.recovery`). Meanwhile the output is the height computed from the ranges as if x of B pointed straight
+down or, before the first echo, at least the largest height at which the radar measures.
 
 Source: T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017): a
-saturated gyro turned the attitude over, a negative height followed, and the parachute was released in 3.7 km.
+saturated gyro turned the estimated attitude over, the estimated height became negative, and the parachute was
+released at a height of 3.7 km.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ class GuardParams(Params):
     """Integrity checks of height, velocity and vertical."""
 
     below_ground: bool = param(True, "whether a height below the ground starts the recovery of the vertical")
-    jump: bool = param(True, "whether a height that jumps against the velocity is withheld")
+    jump: bool = param(True, "whether a height that contradicts the integrated velocity is withheld")
     speed: bool = param(True, "whether a speed that contradicts the beams starts the recovery")
     vertical: bool = param(True, "whether echoes from above the horizon start the recovery")
     margin_m: float = param(
@@ -146,7 +148,9 @@ def check_solution(params, instruments, health, sensed, speed, sigma, q, up, mem
 
 @kernel
 def height_while_lost(instruments, health, radar, memory):
-    """Return the height (m) to output while the attitude is lost."""
+    """Return the height (m) to output while the attitude is lost: that of the last radar ranges, as if x of B
+    pointed straight down.
+    """
     if radar.fresh != 0:
         seen = height_from_beams(instruments, health, radar, _HANGING)
         if seen > 0.0:

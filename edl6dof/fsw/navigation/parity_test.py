@@ -36,11 +36,11 @@ class ParityParams(Params):
         1e-10, "probability that one test of healthy instruments exceeds its limit", gt=1e-100, lt=0.5
     )
     persistence_cycles: int = param(
-        5, "fast tests in a row with the same suspect that exclude it", ge=1, le=1000
+        5, "consecutive fast tests with the same suspect that exclude it", ge=1, le=1000
     )
     window_s: float = param(10.0, "time constant of the low-passed parity vector", gt=0.0, le=1000.0)
     slow_persistence_cycles: int = param(
-        25, "slow tests in a row with the same suspect that exclude it", ge=1, le=10000
+        25, "consecutive slow tests with the same suspect that exclude it", ge=1, le=10000
     )
     flag_patience_s: float = param(
         2.0, "time for which a saturation flag may contradict the motion", ge=0.0, le=1000.0
@@ -77,8 +77,9 @@ def restart_parity_test(params, n_parity, memory):
 
 @kernel
 def parity_test(params, new, lasting, dt, redundant, number, memory):
-    """Run both tests on the increments of a cycle of ``dt`` seconds; ``new`` and ``lasting``: variances of an
-    increment by noise, and by constant errors. Returns the instrument to leave out of the cycle and the one
+    """Test the increments of a cycle of ``dt`` seconds for a sudden error (the parity vector of the cycle)
+    and for a slow one (its mean over ``window``); ``new`` and ``lasting``: variances of an increment by
+    noise, and by constant errors. Returns the instrument to leave out of the cycle and the one
     to exclude for good (``NONE``: none).
     """
     if redundant.n_parity == 0:

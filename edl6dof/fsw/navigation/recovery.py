@@ -1,10 +1,11 @@
-"""Recovery of the vertical after the attitude was lost: from gravity and the velocity measured by the radar.
+"""Recovery of the vertical after a loss of attitude, from gravity and the velocity measured by the radar.
 
-The beams give the velocity in B whatever the attitude is. In axes that do not rotate by the gyros, whatever
-their direction, it changes by gravity and by the specific force, which the accelerometers measure: its change
-over some seconds less that by the specific force is gravity, whatever wind and swinging are. The attitude is
-rotated until this gravity points down, and velocity and height are set to those of the radar. The rotation
-about the vertical is kept. If the star tracker has a fix, its attitude is used instead.
+The radar beams give the velocity in B for any attitude. The gyros transform it to axes that do not rotate,
+whose orientation is unknown. In these axes the velocity changes by gravity and by the specific force, which
+the accelerometers measure. The change of velocity over some seconds, minus the integral of the specific
+force, is therefore due to gravity, whatever the wind and the swinging. The attitude is rotated until this
+gravity points down, and velocity and height are set to those of the radar. The heading is not changed. If the
+star tracker has a fix, its attitude is used instead.
 
 Source: this project; gravity direction and velocity as references after a loss of attitude: Li et al., J.
 Astronautics 43(1), 2022.

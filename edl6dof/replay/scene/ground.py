@@ -43,7 +43,7 @@ _PUFFS = 44
 
 
 class Ground(Recorder):
-    """Writes ``/site/ground``, ``/site/sky`` and the target."""
+    """Recorder of ``/site/ground``, ``/site/sky`` and the target."""
 
     def statics(self) -> None:
         """Write landscape, rocks, rings around touchdown and target, and the planned ellipse."""

@@ -34,7 +34,7 @@ _RAYS = 17
 
 
 class Hazards(Recorder):
-    """Writes ``/site/hazards``, for a flight that chose a spot from a scan."""
+    """Recorder of ``/site/hazards``, for a flight that chose a spot from a scan."""
 
     def motions(self) -> None:
         """Write rays, map and spots."""

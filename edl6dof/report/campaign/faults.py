@@ -38,7 +38,9 @@ _WHERE = ("component", "kind", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """Return how many flights are within limits and how many faults are named correctly; and the mood."""
+    """Return a sentence with the numbers of flights within limits and of faults named correctly, and whether
+    it is good news.
+    """
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
     words = (

@@ -39,13 +39,13 @@ class Rings(NamedTuple):
 
 
 def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
-    """Effective Cp_max of the Newtonian integral, in a gas of this ratio of specific heats behind the shock.
+    """Return the stagnation pressure coefficient Cp_max of the Newtonian integral at each Mach number, with
+    the shape of ``mach``; ``heat_capacity_ratio``: ratio of specific heats behind the shock.
 
-    Supersonic: Rayleigh's pitot formula.  Subsonic: bluff-body value, isentropic stagnation pressure plus a
-    base suction (0.2 at rest, fading to 0 at Mach 1) that stands for the wake which the Newtonian integral
-    leaves out [E].
+    Supersonic: Rayleigh's pitot formula. Subsonic: isentropic stagnation pressure plus a base suction (0.2 at
+    rest, decreasing to 0 at Mach 1) that stands for the wake, which the Newtonian integral leaves out [E].
 
-    One ratio stands for the whole shock layer.  In carbon dioxide 1.33 gives up to 1.3 % more than vibrations
+    One ratio stands for the whole shock layer. In carbon dioxide 1.33 gives up to 1.3 % more than vibrations
     that stay frozen, and up to 0.8 % (Mach 2) or 3.4 % (Mach 30) less than vibrations in equilibrium.
 
     Source: Anderson, Modern Compressible Flow, eq. 8.80 (recalled).
@@ -65,10 +65,12 @@ def stagnation_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float
 
 
 def base_pressure_coefficient(mach: np.ndarray, heat_capacity_ratio: float) -> np.ndarray:
-    """Mean pressure coefficient of the leeward surface.
+    """Return the mean pressure coefficient of the leeward surface at each Mach number, with the shape of
+    ``mach``.
 
-    Supersonic: Gaubeaud's correlation, which tends to the vacuum's -2 / (g M^2).  Subsonic: from the suction
-    of a bluff body at rest to that at Mach 1, with the square of Mach [E].
+    Supersonic: Gaubeaud's correlation, which tends to -2 / (g M^2), the value of a vacuum (g: ratio of
+    specific heats). Subsonic: from the suction of a bluff body at rest to that at Mach 1, with the square of
+    the Mach number [E].
 
     Source: Gaubeaud, as used for the aerodynamics of Stardust (Mitcheltree et al., AIAA 97-2304; recalled).
     """

@@ -156,11 +156,11 @@ def restart(case, tables, plant, outputs, work):
 
 @kernel
 def step_to_event(case, tables, plant, outputs, work, t_end):
-    """Step to ``t_end`` (s), or to the first event of the state before it; returns whether one has come, and
-    whether the step succeeded.
+    """Step to ``t_end`` (s), or to the first earlier event that depends on the state; return whether such an
+    event has occurred, and whether the step succeeded.
 
-    The root is found by false position, with bisection every third pass against a one-sided stall; the step
-    ends at the side of the bracket where the event has come.
+    The time of the event is found by false position, with a bisection in every third iteration so that both
+    ends of the bracket move. The step ends at the end of the bracket at which the event has occurred.
     """
     remember_start(case, plant, work)
     if not step(case, tables, plant, outputs, work, t_end=t_end):

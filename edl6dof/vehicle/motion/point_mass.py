@@ -73,7 +73,9 @@ def point_attitude(case, plant, t, rotation, place, v_air_I):
 
 @kernel
 def point_motion(case, plant, t, y, outputs, dy):
-    """Derivative ``dy`` of the state ``y`` under the loads in ``outputs``; attitude and rates stay."""
+    """Write the derivative ``dy`` of the state ``y`` (SI, I) under the loads in ``outputs``; that of attitude
+    and rates is zero.
+    """
     out = outputs
     q = (out.q_I2B[0], out.q_I2B[1], out.q_I2B[2], out.q_I2B[3])
     disturbance = case.point_mass.disturbance

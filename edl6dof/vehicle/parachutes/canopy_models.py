@@ -64,31 +64,43 @@ class MachTable(Hardware):
 
 @kernel
 def tabulated(table, mach):
-    """The factor at a Mach number; the table must have points."""
+    """Interpolate the factor of a ``table`` with points at a Mach number."""
     index, share = cell_among(table.mach, table.n_mach, mach)
     return between(table.factor, index, share)
 
 
 class DiskGapBandParams(Hardware):
-    """Disk-gap-band parachute: power law of time with overshoot, supersonic loss of drag."""
+    """Parameters of a disk-gap-band parachute.
+
+    The drag area grows with a power of the time after line stretch, overshoots, and decays to its steady
+    value.
+    """
 
     inflation_speed_m_s: float = param(
-        27.2, "diameter over inflation time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+        27.2,
+        "nominal diameter divided by the inflation time",
+        status="published",
+        source="MSL, Cruz et al. 2013",
+        gt=0.0,
     )
     inflation_exponent: float = param(
-        4.0, "growth of the drag area with time", status="published", source="MSL, Cruz et al. 2013", gt=0.0
+        4.0,
+        "exponent of the growth of the drag area with time",
+        status="published",
+        source="MSL, Cruz et al. 2013",
+        gt=0.0,
     )
     opening_load_factor: float = param(
         1.344,
-        "peak load over the drag of the open canopy at the same dynamic pressure",
+        "peak load divided by the drag of the open canopy at the same dynamic pressure",
         status="published",
         source="MSL, Cruz et al. 2013",
         ge=1.0,
     )
     dynamic_load_factor: float = param(
         1.0,
-        "factor of the opening load factor that is due to the elastic riser: the drag area overshoots by "
-        "their quotient; 1: none is due to the riser",
+        "part of opening_load_factor that the elastic riser causes; the drag area overshoots by "
+        "opening_load_factor divided by this part; 1: the riser causes none",
         ge=1.0,
         le=2.0,
     )
@@ -106,7 +118,7 @@ class DiskGapBandParams(Hardware):
 
 @kernel
 def disk_gap_band_inflation(params, chute, since_line_stretch):
-    """Drag-area fraction after line stretch: a power law up to its overshoot, then a decay to one."""
+    """Return the inflated fraction of the drag area, ``since_line_stretch`` s after line stretch."""
     overshoot = params.opening_load_factor / params.dynamic_load_factor
     x = since_line_stretch * params.inflation_speed / chute.diameter
     if x < 1.0:
@@ -117,7 +129,9 @@ def disk_gap_band_inflation(params, chute, since_line_stretch):
 
 @kernel
 def disk_gap_band_efficiency(params, chute, mach):
-    """Drag over its subsonic value (Cruz et al. 2013, as implemented for MSL); 0.61 beyond Mach 2.6."""
+    """Return the drag divided by its subsonic value (Cruz et al. 2013, as implemented for MSL); 0.61 beyond
+    Mach 2.6.
+    """
     if mach <= 0.7:
         return 1.0
     if mach <= 0.94:
@@ -147,7 +161,7 @@ class ReefingStage(Hardware):
 
     drag_area_ratio: float = param(
         REQUIRED,
-        "drag area at the end of the stage over that of the open canopy",
+        "drag area at the end of the stage, divided by that of the open canopy",
         gt=0.0,
         le=1.0,
         usual=(0.01, 1, "reefed canopies"),
@@ -182,7 +196,7 @@ class ReefedParams(Hardware):
     )  # fmt: skip
     filling_exponent: float = param(
         1.0,
-        "growth of the drag area with time: 1 ribbon, 2 solid cloth",
+        "exponent of the growth of the drag area with time: 1 ribbon, 2 solid cloth",
         status="recalled",
         source="Knacke 1991",
         ge=0.5,

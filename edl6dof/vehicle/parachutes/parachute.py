@@ -141,7 +141,7 @@ class ParachuteParams(ParachuteChoice, Hardware):
     trim_angle_deg: float = param(
         8.0, "canopy angle of attack at which the normal force vanishes", status="estimate", ge=0.0, le=30.0
     )
-    drag_factor: float = param(1.0, "drag over its table value", gt=0.0)
+    drag_factor: float = param(1.0, "true drag divided by its nominal value", gt=0.0)
     pack: str | None = param(
         None, "part that is the packed parachute; none: its deployment is only recorded", record=False
     )
@@ -205,7 +205,9 @@ def nominal_area(chute):
 
 @kernel
 def drag_efficiency(chute, mach):
-    """Drag over its value at low Mach number in the free stream, the loss in the wake included."""
+    """Return the drag divided by its value at low Mach number in the free stream, including the loss in the
+    wake.
+    """
     if chute.mach_efficiency.n_mach > 0:
         efficiency = tabulated(chute.mach_efficiency, mach)
     else:

@@ -51,8 +51,10 @@ class EngineParams(EngineChoice, Hardware):
         0.0, "thrust direction turned about z of B", ge=-5.0, le=5.0, usual=(-2, 2, "mounted engines")
     )
     draws_from: list[Key] = param(None, "tanks that feed it; empty: all", record=False, factory=list)
-    thrust_factor: float = param(1.0, "thrust delivered over thrust commanded", gt=0.0, le=1.5)
-    specific_impulse_factor: float = param(1.0, "specific impulse over its table value", gt=0.0, le=1.5)
+    thrust_factor: float = param(1.0, "delivered thrust divided by commanded thrust", gt=0.0, le=1.5)
+    specific_impulse_factor: float = param(
+        1.0, "true specific impulse divided by its nominal value", gt=0.0, le=1.5
+    )
 
     @field_validator("direction")
     @classmethod
@@ -68,19 +70,25 @@ ENGINE = dtype_of(EngineParams)
 
 @kernel
 def thrust_goal(engine, t, step, command):
-    """Thrust goal of a ``command`` (N) over a ``step`` (s) from ``t`` (s): mean (N) and slope (N/s)."""
+    """Return the goal that a ``command`` (N) sets for the thrust over a ``step`` (s) from ``t`` (s): mean (N)
+    and slope (N/s).
+    """
     return goal_of_model(engine.model, engine, engine, t, step, command=command)
 
 
 @kernel
 def thrust_rate(engine, goal, thrust, starting):
-    """Time derivative of thrust (N/s) towards ``goal`` (N); ``starting``: at start or cut-off."""
+    """Return the time derivative (N/s) of the ``thrust`` (N) of an ``ENGINE`` that approaches ``goal`` (N);
+    ``starting``: True during start and cut-off, where the thrust may change faster.
+    """
     return rate_of_model(engine.model, engine, engine, goal, thrust, starting=starting)
 
 
 @kernel
 def thrust_wrench(engine, thrust, turn_y, turn_z):
-    """Force and moment about the origin of B (N, N m) at ``thrust`` N, turned (rad) beyond misalignment."""
+    """Return the force (N, B) of an engine at ``thrust`` (N), and its moment about the origin of B (N m);
+    ``turn_y``, ``turn_z``: rotations (rad) of the thrust direction in addition to the misalignment.
+    """
     if thrust == 0.0:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     delivered = thrust * engine.thrust_factor
@@ -97,8 +105,10 @@ def thrust_wrench(engine, thrust, turn_y, turn_z):
 
 @kernel
 def propellant_flow(engine, thrust):
-    """Propellant mass flow (kg/s) at ``thrust`` N; it may be negative on the line that stands for a pulse
-    late in a step, so that the flow over the step is exact.
+    """Return the propellant mass flow (kg/s) at ``thrust`` (N).
+
+    It may be negative: a pulse late in a step is replaced by a line over the whole step, with the same flow
+    in total, and this line may begin below zero.
     """
     if thrust == 0.0:
         return 0.0

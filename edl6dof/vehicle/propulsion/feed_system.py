@@ -23,7 +23,9 @@ FEEDS = record(("engines", "f8", (MAX_ENGINES, MAX_TANKS)), ("thrusters", "f8", 
 
 
 def fill_feeds(rows: np.ndarray, drawing: Iterable[Sequence[str]], tanks: Sequence[Tank]) -> None:
-    """Fill the ``rows`` of ``FEEDS``; ``drawing``: tanks of each engine or thruster, none: all."""
+    """Fill the ``rows`` of ``FEEDS``; ``drawing``: for each engine or thruster, the names of the tanks that
+    it draws from, or none for all tanks.
+    """
     for row, names in zip(rows, drawing, strict=False):
         row[: len(tanks)] = [tank.mass_kg if tank.name in names or not names else 0.0 for tank in tanks]
 

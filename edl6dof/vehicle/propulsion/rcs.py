@@ -44,7 +44,7 @@ class Thruster(Hardware):
         REQUIRED, "steady vacuum thrust", ge=0.0, le=5000.0, usual=(0.1, 5000, "attitude control thrusters")
     )
     thrust_factor: float = param(
-        1.0, "true thrust over thrust_n, which the flight software assumes", ge=0.0, le=1.5
+        1.0, "true thrust divided by thrust_n; the flight software assumes thrust_n", ge=0.0, le=1.5
     )
     specific_impulse_s: float = param(
         REQUIRED,
@@ -64,7 +64,7 @@ class Thruster(Hardware):
 
     @property
     def full_flow_kg_s(self) -> float:
-        """Propellant flow at full thrust."""
+        """Propellant flow at full thrust, kg/s."""
         return self.thrust_n / (self.specific_impulse_s * G0)
 
 
@@ -120,10 +120,13 @@ def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dic
         if name not in thrusters
     }
     twice = [name for name in thrusters if given[name] > 1]
-    missing = [name for name in thrusters if given[name] == 0]
+    missing = [name for name in thrusters if branches and given[name] == 0]
     words = [f"{', '.join(twice)} on more than one"] if twice else []
-    words += [f"{', '.join(missing)} on none"] if missing and branches else []
-    if words:
+    words += [f"{', '.join(missing)} on none"] if missing else []
+    if missing and not twice and not problems:  # probably new thrusters
+        place = f"thrusters.{thrusters.index(missing[0])}.name"
+        problems[place] = f"must be on one of vehicle.rcs.branches (got {words[0]})"
+    elif words:
         problems["branches"] = f"every thruster must be on one branch (got {'; '.join(words)})"
     return problems
 

@@ -42,12 +42,16 @@ def first_side(out):
 class HeadingAlignmentParams(Params):
     """Heading alignment: below a speed, bank against the heading error instead of controlling range."""
 
-    speed_m_s: float = param(0.0, "speed below which it replaces range control; 0: never", ge=0.0)
+    speed_m_s: float = param(
+        0.0, "speed below which heading alignment replaces range control; 0: never", ge=0.0
+    )
     gain: float = param(20.0, "bank angle per heading error", ge=0.0, le=1000.0)
     limit_deg: float = param(30.0, "largest bank angle of heading alignment", ge=0.0, le=90.0)
 
 
 @kernel
 def heading_bank(p, range_to_go, crossrange):
-    """Bank angle (rad) against the heading error towards the aim point; range and crossrange in m."""
+    """Return the bank angle (rad) that reduces the heading error towards the aim point; range and crossrange
+    in m.
+    """
     return clamp(-p.gain * atan2(crossrange, max(range_to_go, 1.0)), -p.limit, p.limit)

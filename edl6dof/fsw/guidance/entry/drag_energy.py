@@ -90,8 +90,9 @@ def predicted_range(memory, span, eta):
 
 @kernel
 def refit(reference, energy, wanted, limit, memory):
-    """Fit the profile from ``energy`` (J/kg) to the terminal energy of the reference, for a range of
-    ``wanted`` m (eqs. 13-15); ``limit``: largest |eta|, where 0 keeps the range.
+    """Fit the drag profile between ``energy`` (J/kg) and the terminal energy of the reference, so that its
+    range is ``wanted`` (m) (eqs. 13-15); ``limit``: largest magnitude of eta, the parameter of the fit; 0
+    gives the reference profile.
     """
     terminal = 0.5 * reference.first * reference.first
     span = energy - terminal

@@ -44,7 +44,9 @@ TRACKING = record(("scale", "f8"))
 
 @kernel
 def shape(share):
-    """Factor f (eq. 15) of the change of the drag at a ``share`` (0..1) of the energies of the reference."""
+    """Return the factor f (eq. 15) of the change of the reference drag; ``share``: position in the energy
+    range of the reference, 0 to 1.
+    """
     return 2.0 * (1.0 - sqrt(2.0) * (share - 0.5) ** 2)
 
 

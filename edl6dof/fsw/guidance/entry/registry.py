@@ -1,10 +1,10 @@
 """The entry guidance laws.
 
-A member has one kernel, ``guide(params, plan, onboard, nav, memory, out)``: it returns the wanted bank angle
-(rad). ``params``, ``plan`` and ``memory`` belong to the member: its settings, the tables that its
-``plan(onboard, planned)`` made on the ground, and its memory. ``onboard`` is what the flight computer
-believes. Range to go, crossrange and the measured drag and lift ratios are in ``out`` before the call;
-limits, side, heading alignment and bank rate are applied after it, in
+A member has one kernel, ``guide(params, plan, onboard, nav, memory, out)``, which returns the bank angle
+(rad) that the law demands. ``params``, ``plan`` and ``memory`` belong to the member: its settings, the tables
+that its function ``plan(onboard, planned)`` made on the ground, and its memory. ``onboard`` is the on-board
+model (``ONBOARD`` record). Range to go, crossrange and the measured drag and lift ratios are in ``out``
+before the call. Limits, sign, heading alignment and bank rate are applied after it, in
 :mod:`~edl6dof.fsw.guidance.entry.reversal.registry`.
 """
 

@@ -24,15 +24,17 @@ _GAINS = (1.0, 4.0)
 
 @kernel
 def quadratic(miss, velocity, final, t_go):
-    """Acceleration (m/s2, without gravity) along one axis; ``miss`` is target less position, m, ``final`` the
-    acceleration at arrival, m/s2.
+    """Return the acceleration along one axis (m/s2, gravity not included); ``miss``: position of the target
+    minus that of the lander (m), ``final``: acceleration at arrival (m/s2).
     """
     return final - 6.0 * velocity / t_go + 12.0 * miss / (t_go * t_go)
 
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p = params
     out.time_to_go = plan_arrival(p, _GAINS, 0.0, state, nav, target=target, plan=memory)
     t_go = max(out.time_to_go, p.time_floor)

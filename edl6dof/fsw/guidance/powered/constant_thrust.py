@@ -66,7 +66,9 @@ def against_velocity(offset, size, nav, target):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p = params
     if memory.over == 0 and too_fast(p, state, nav, target):
         out.time_to_go = max(target.arrival - nav.t, p.lateral_time_floor)

@@ -71,7 +71,9 @@ def zem_zev(miss, velocity, gravity, t_go):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p = params
     north, east = target.point_L[1] - nav.site_L[1], target.point_L[0] - nav.site_L[0]
     up = target.height - nav.height

@@ -28,7 +28,9 @@ class PolynomialParams(Params):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p = params
     out.time_to_go = target.arrival - nav.t
     north, east, up = meet(p.time_floor, p.lateral_time_floor, out.time_to_go, nav, target)

@@ -1,9 +1,10 @@
 """The powered guidance laws of the deceleration phase.
 
-A member has one kernel, ``guide(params, vehicle, state, nav, target, memory, out)``: it returns the wanted
-thrust acceleration north, east and up (m/s2, gravity included) and the tilt limit (rad), and writes the time
-to go into ``out``. ``params`` and ``memory`` belong to the member; ``vehicle`` is the believed vehicle,
-``state`` its mass and the present ability of its engines, ``target`` the point of rest.
+A member has one kernel, ``guide(params, vehicle, state, nav, target, memory, out)``. It returns the demanded
+thrust acceleration north, east and up (m/s2, including the part that balances gravity) and the tilt limit
+(rad), and writes the time to go into ``out``. ``params`` and ``memory`` belong to the member; ``vehicle`` is
+the on-board model of the vehicle, ``state`` its mass and the present ability of its engines, ``target`` the
+point of rest.
 """
 
 from __future__ import annotations

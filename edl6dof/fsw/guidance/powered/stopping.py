@@ -1,22 +1,22 @@
-"""Height at which a gravity turn stops the lander, for braking in time and for the descent on a stuck
-throttle.
+"""Height at which a gravity turn stops the lander (stop height), for braking in time and for the descent on a
+stuck throttle.
 
-Braking in time: each call computes the height at which a gravity turn at full thrust would bring the lander
-to rest. While this is above the least height of the target, the acceleration of the law is flown. Otherwise a
-gravity turn at full thrust, which gives the least speed at the ground, replaces the law and its limits, until
-the throttle band alone stops the lander above the least height, or full thrust above the target. The axial
-thrusters, which fire at full thrust, are left out: they compensate the lag of the engine.
+Braking in time: each call computes the stop height of a gravity turn at full thrust. As long as it is above
+the least height of the target, the acceleration of the law is flown. Otherwise a gravity turn at full thrust,
+which gives the least speed at the ground, replaces the law and its limits, until thrust within the throttle
+band can stop the lander above the least height, or full thrust above the target. The axial thrusters, which
+fire at full thrust, are left out: they compensate the lag of the engine.
 
-Stuck throttle: an engine whose throttle is stuck above the weight stops the lander in the air and lifts it
-again; only the time of its burn can still be chosen. Each call computes the height at which the engine would
-bring the lander to rest if it burned from now on. While this is well above the ground the engine is off and
-the lander falls; when it reaches the ground, the engine is lit again. The computation includes a share of the
-force of the axial thrusters, so that they can correct in both directions: they fire while the stop is too
-low. Just above the ground, where a fall is harmless, the engine is cut off. Events and phases belong to the
-mission: one phase that cuts the engine off and lasts until ``stop_height_m`` is low, and one that lights it,
-with a cut-off where ``time_to_go_s`` is over.
+Stuck throttle: an engine whose throttle is stuck at a thrust above the weight stops the lander in the air and
+lifts it again; only the time of its burn can still be chosen. Each call computes the stop height for a burn
+that begins now. As long as the stop height is well above the ground, the engine is off and the lander falls;
+when the stop height reaches the ground, the engine is ignited again. The computation includes a share of the
+force of the axial thrusters, so that they can correct in both directions: they fire while the stop height is
+too low. Just above the ground, where a fall is harmless, the engine is cut off. The mission has two phases
+for this: one cuts the engine off and lasts until ``stop_height_m`` is low, the other ignites it and cuts it
+off when ``time_to_go_s`` is over.
 
-Source: Cheng, AIAA 66-1863 (gravity turn); to brake with full thrust as late as possible needs the least
+Source: Cheng, AIAA 66-1863 (gravity turn); braking with full thrust as late as possible needs the least
 propellant (Meditch, IEEE Trans. Automatic Control 9 (1964) 477-484); one burn of constant thrust to the
 ground: this project.
 """
@@ -90,15 +90,15 @@ def stop_at(thrust, tilt_limit, engine, nav, mass):
 
 @kernel
 def brake_in_time(wanted, engine, nav, mass, target, braking, out):
-    """Choose the acceleration (north, east, up, m/s2, gravity included) of the law or that of a gravity turn
-    at full thrust; returns it, and whether it is that of the gravity turn.
+    """Choose between the acceleration of the law and that of a gravity turn at full thrust; return it (north,
+    east, up, m/s2, including the part that balances gravity), and whether it is that of the gravity turn.
 
     Args:
         wanted: acceleration of the law, then its tilt limit (rad).
         engine: ``ENGINE_ABILITY`` record of the burning engines.
         nav, mass: ``NAV`` record; kg.
         target: ``POWERED_TARGET`` record.
-        braking: whether the last call chose the gravity turn.
+        braking: True if the last call chose the gravity turn.
         out: ``GUIDE`` record, written: full level, time to go, relaxed constraints, landing error.
     """
     north, east, up, tilt_limit = wanted

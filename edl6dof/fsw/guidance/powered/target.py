@@ -1,16 +1,16 @@
-"""Target of powered deceleration: the point and height of rest, and the time to go until they are reached.
+"""Target of powered deceleration: position and height at which the lander comes to rest, and the time to go.
 
-The point is chosen once, at ignition: ahead of the lander by a share of its drift over the time of a constant
+The position is chosen once, at ignition: ahead of the lander by a share of its drift during a constant
 deceleration, less a divert against the drift, away from the backshell; or it is the choice of coarse hazard
 avoidance. Source of backshell avoidance: Hu et al. 2022, section 6.2; the rule is an estimate.
 
-A law that plans its time to go derives it from the limits of engine and tilt. A law whose upward acceleration
-is linear in time, or quadratic with zero final slope, needs at arrival a = (d h - s V T) / T^2 with h the
-height to lose, V the descent rate and T the time to go. The plan uses the shortest T for which a is within
-the throttle band, less a reserve for feedback, the divert is within the tilt limit, and which is no shorter
-than the law wants. From then on T is computed from a, which the law produces in the absence of disturbances.
-Source: Klumpp, Automatica 10 (1974) 133-146, who solves for T by a condition at arrival in every cycle; the
-limits are this project's own.
+A law that plans its time to go derives it from the limits of engine and tilt. At arrival, a law whose upward
+acceleration is linear in time, or quadratic with zero final slope, needs a = (d h - s V T) / T^2, where h is
+the height to lose, V the descent rate, T the time to go, and d and s are two numbers of the law. The plan
+uses the shortest T that meets three conditions: a is within the throttle band less a reserve for feedback,
+the divert is within the tilt limit, and T is at least the time that the law requires. From then on T is
+computed from this a, which the law produces in the absence of disturbances. Source: Klumpp, Automatica 10
+(1974) 133-146, who solves for T by a condition at arrival in every cycle; the limits are this project's own.
 """
 
 from __future__ import annotations
@@ -42,10 +42,13 @@ class PoweredTargetParams(Params):
         usual=(0.5, 1000, "airbags cut loose to hover"),
     )
     time_factor: float = param(
-        1.0, "expected duration over that of a constant deceleration", status="estimate", gt=0.2, le=3.0
+        1.0, "expected duration divided by that of a constant deceleration", status="estimate", gt=0.2, le=3.0
     )
     drift_share: float = param(
-        0.33, "share of velocity times expected duration by which the target leads the lander", ge=0.0, le=1.0
+        0.33,
+        "distance of the target ahead of the lander, as a share of velocity times expected duration",
+        ge=0.0,
+        le=1.0,
     )
     divert_m: float = param(
         120.0, "divert against the direction of drift, away from backshell and parachute", ge=0.0
@@ -86,8 +89,9 @@ def choose_target(p, nav, point, target):
 
 @kernel
 def meet(floor, lateral_floor, t_go, nav, target):
-    """Thrust acceleration north, east, up (m/s2, gravity included) to rest at the target in ``t_go`` s; the
-    gains of height and the lateral gains are limited by the least times ``floor`` and ``lateral_floor`` (s).
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) with
+    which the lander comes to rest at the target in ``t_go`` s; ``floor`` and ``lateral_floor``: smallest
+    times to go (s) used for height and for lateral motion.
     """
     t = max(t_go, floor)
     up = 6.0 * (target.height - nav.height) / (t * t) + 4.0 * nav.v_N[2] / t
@@ -159,7 +163,7 @@ def plan_arrival(p, gains, least, state, nav, target, plan):
 
     Args:
         p: parameters of the law, ``PlanningParams``.
-        gains: s and d of the upward law (see above).
+        gains: s and d of the law, see the top of this module.
         least: least time to go of the law, s.
         state, nav, target: ``VEHICLE_STATE``, ``NAV`` and ``POWERED_TARGET`` records.
         plan: ``PLAN`` record, updated.

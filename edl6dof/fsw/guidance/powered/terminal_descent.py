@@ -97,8 +97,8 @@ TERMINAL = record(("bias", LATERAL_BIAS), ("target_set", FLAG), ("target_L", "f8
 
 @kernel
 def command_thrust(mass, acceleration, tilt_limit, out):
-    """Convert an acceleration (north, east, up, m/s2, gravity included) into thrust direction and
-    size (N).
+    """Convert a thrust acceleration (north, east, up, m/s2, including the part that balances gravity) to
+    thrust direction and magnitude (N), and write them into ``out``.
     """
     north, east, up = acceleration
     up = max(up, LEAST_UPWARD)
@@ -145,7 +145,9 @@ def start_or_throttle(engine, weak, full_time, full_again, elapsed, out):
 
 @kernel
 def vertical(p, nav, rate):
-    """Upward acceleration (m/s2, gravity included) that controls the descent rate to ``rate`` (m/s)."""
+    """Return the upward thrust acceleration (m/s2, including the part that balances gravity) that controls
+    the descent rate to ``rate`` (m/s).
+    """
     return nav.gravity + p.rate_gain * (nav.v_N[2] - rate)
 
 

@@ -21,8 +21,8 @@ class LidarDetectionParams(Params):
     )
     roughness_limit_m: float = param(
         0.16,
-        "largest distance of a cell of the footprint from its plane, as measured: half the height of a rock "
-        "of half a metre is not to be missed between two rays",
+        "largest measured distance of a cell of the footprint from its plane; a rock of half "
+"a metre exceeds it even if its top lies between two rays",
         status="estimate", gt=0.0, le=5.0,
     )  # fmt: skip
 

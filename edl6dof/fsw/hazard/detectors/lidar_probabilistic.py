@@ -52,7 +52,7 @@ class ProbabilisticParams(Params):
         0.02, "standard deviation of relief between points of a cell", status="estimate", ge=0.0, le=1.0
     )
     least_probability: float = param(
-        0.95, "probability from which a spot counts as safe", status="estimate", gt=0.0, lt=1.0
+        0.95, "least probability at which a spot counts as safe", status="estimate", gt=0.0, lt=1.0
     )
 
 

@@ -38,7 +38,7 @@ class DeadReckoningParams(Params):
         1e-3, "standard deviation of the error of the gravity model", status="estimate", ge=0.0, le=1.0
     )
     unknown_rate_deg_s: float = param(
-        5.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
+        5.0, "standard deviation of the rate during a gap of the gyros", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
         5.0, "standard deviation of the specific force while unknown", status="estimate", ge=0.0, le=1000.0
@@ -174,7 +174,9 @@ def _carry(mu, r, q, gained, roll, time, P):
 
 @kernel
 def report_covariance(planet, P, solution):
-    """Write the standard deviations north, east and down of ``P`` into ``solution``."""
+    """Write the standard deviations of position (m), velocity (m/s) and attitude (rad) along north, east and
+    down, from the covariance ``P`` into ``solution``.
+    """
     s_lat, c_lat, s_lon, c_lon, _ = geodetic(
         planet.equatorial_radius, planet.flattening, take3(solution.r_I, 0)
     )

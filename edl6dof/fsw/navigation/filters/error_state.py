@@ -43,28 +43,48 @@ class ErrorStateParams(Params):
     radar_interval_s: float = param(0.1, "time between two looks at the radar that are used", ge=0.0, le=10.0)
     star_interval_s: float = param(1.0, "time between two star fixes that are used", ge=0.0, le=100.0)
     gate: float = param(
-        4.0, "standard deviations of an innovation beyond which a reading is refused", ge=2.0, le=20.0
+        4.0, "standard deviations of an innovation beyond which a reading is rejected", ge=2.0, le=20.0
     )
-    huber: float = param(2.5, "standard deviations beyond which its weight is reduced", ge=1.0, le=20.0)
+    huber: float = param(
+        2.5,
+        "standard deviations of an innovation beyond which the weight of a reading is reduced",
+        ge=1.0,
+        le=20.0,
+    )
     patience: int = param(
-        10, "looks in a row that refuse most beams before the solution counts as wrong", ge=1, le=1000
+        10,
+        "consecutive looks in which most beams are rejected after which the solution counts as wrong",
+        ge=1,
+        le=1000,
     )
     terrain_sigma_m: float = param(
-        300.0, "initial standard deviation of the ground over the site", status="estimate", gt=0.0, le=10e3
+        300.0,
+        "initial standard deviation of the height of the ground above the site",
+        status="estimate",
+        gt=0.0,
+        le=10e3,
     )
     terrain_change_m: float = param(
-        5.0, "standard deviation of the rise of the ground over 1 km", status="estimate", gt=0.0, le=1000.0
+        5.0,
+        "standard deviation of the change of the height of the ground over 1 km",
+        status="estimate",
+        gt=0.0,
+        le=1000.0,
     )
     slope_sigma_deg: float = param(
         12.0, "standard deviation of the slope before the radar sees it", status="estimate", gt=0.0, le=45.0
     )
     slope_change_deg: float = param(
-        2.0, "standard deviation of its change over a way of one height", status="estimate", gt=0.0, le=45.0
+        2.0,
+        "standard deviation of the change of the slope over a flown distance equal to the height",
+        status="estimate",
+        gt=0.0,
+        le=45.0,
     )
     unevenness_m: float = param(
         120.0,
-        "largest deviation from the plane of ground 1 km away, proportional to root distance: a range "
-        "beyond has failed",
+        "largest deviation of the ground from its plane at a distance of 1 km, proportional "
+        "to the square root of the distance; a range with a larger deviation counts as wrong",
         status="estimate",
         gt=0.0,
         le=1000.0,
@@ -76,7 +96,7 @@ class ErrorStateParams(Params):
         60.0, "correlation time of the error of the gravity model", status="estimate", ge=0.0, le=10e3
     )
     unknown_rate_deg_s: float = param(
-        2.0, "standard deviation of the rate while it is bridged", status="estimate", ge=0.0, le=1000.0
+        2.0, "standard deviation of the rate during a gap of the gyros", status="estimate", ge=0.0, le=1000.0
     )
     unknown_force_m_s2: float = param(
         50.0, "standard deviation of the force beyond the range of the accelerometers", ge=0.0, le=1000.0

@@ -1,10 +1,11 @@
-"""Inertial solution with the radar in the loop: height and velocity approach those of the radar, which are
-projected with the uncorrected attitude of the inertial unit.
+"""Inertial solution whose height and velocity the radar corrects, while the attitude is that of the inertial
+unit alone.
 
-The radar is compared with the inertial solution first. It enters the loop when both have agreed for a while;
-and also after a long contradiction, as no landing is possible without the radar. The height is the mean of
-the slant ranges times the cosine of each beam to the believed vertical. Its plausibility is not checked: with
-an attitude that is upside down the cosine, and the height, is negative.
+The radar is first compared with the inertial solution. It corrects the solution as soon as both have agreed
+for a time, or after a longer time of contradiction, because no landing is possible without the radar. The
+height is the mean over the beams of the slant range times the cosine of the angle between the beam and the
+estimated vertical. The height is not checked: if the estimated attitude is upside down, the cosine, and so
+the height, is negative.
 
 Source: the landing of Schiaparelli, T. Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA
 DG-I/2017/546/TTN (2017): consistency check of radar and inertial unit, time-out, projection of the ranges.
@@ -31,17 +32,17 @@ from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3
 
 
 class RadarInLoopParams(Params):
-    """Inertial solution, corrected by the radar once this is in the loop."""
+    """Parameters of an inertial solution that the radar corrects once both agree, or after a time limit."""
 
     settle_s: float = param(
         10.0, "time from the first echo until radar and solution are compared", status="estimate", ge=0.0
     )
     agree_s: float = param(
-        1.0, "time of agreement after which the radar enters the loop", status="estimate", ge=0.0
+        1.0, "time of agreement after which the radar corrects the solution", status="estimate", ge=0.0
     )
     patience_s: float = param(
         5.0,
-        "time of contradiction after which the radar enters the loop in any case",
+        "time of contradiction after which the radar corrects the solution in any case",
         status="recalled",
         source="ESA DG-I/2017/546/TTN",
         ge=0.0,

@@ -86,7 +86,10 @@ STEP_S = 1.0
 
 
 class AdaptiveHinfParams(PrintedParams):
-    """Adaptive H-infinity tracking of a drag-velocity profile; the paper prints no numbers but rho = 1."""
+    """Adaptive H-infinity tracking of a drag-velocity profile.
+
+    Of these parameters, the paper prints only the value of rho (``control_weight``).
+    """
 
     start_drag_m_s2: float = param(
         4.0, "drag where the profile begins; before, the reference bank is flown", gt=0.0, le=1000.0
@@ -163,7 +166,9 @@ def scaled_profile(profile, onboard, nav, memory, out):
 
 @kernel
 def goal_rates(nav, drag, drag_rate, slope, curvature):
-    """Return D_r' (m/s3) and the two parts of D_r'' = free + per_u u (m/s4) along the actual flight."""
+    """Return the time derivatives of the drag reference D_r along the actual flight: D_r' (m/s3), and the two
+    parts of D_r'' = free + per_u u (m/s4) with the input u = (L/D) cos(bank).
+    """
     (s, c), g, v = sincos(nav.flight_path_angle), nav.gravity, nav.speed
     speed_rate = -drag - g * s
     path_free = (v / nav.radius - g / v) * c
@@ -203,7 +208,7 @@ def track(p, memory, dt, flown, error, error_rate, dynamics, goal_free, goal_per
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle from measured drag, speed, and the range to the aim point."""
+    """Return the commanded bank angle (rad) from measured drag, speed, and the range to the aim point."""
     p, planet = params, onboard.planet
     if nav.drag < p.start_drag and nav.speed > onboard.guidance.entry.tracking.update_stop:
         return reference_bank(onboard, onboard.reference.shift, nav.speed)

@@ -187,8 +187,8 @@ class EtpcParams(Params):
 
 @kernel
 def at_speed(table, speed):
-    """Index of the node below ``speed`` (m/s) in an ``INFLUENCE`` table, and fraction of the way to
-    the next.
+    """Find ``speed`` (m/s) in an ``INFLUENCE`` table; return the index of the node below, and the fraction of
+    the way from it to the next node.
     """
     return held_cell((speed - table.first) / max(table.spacing, 1e-9), NODES - 1)
 

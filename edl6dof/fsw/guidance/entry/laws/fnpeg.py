@@ -10,7 +10,7 @@ the aim point, the reversal is moved to the speed with the least miss of range a
 rolling through lift up adds range, the more the slower the vehicle rolls. Where the smallest bank angle ends
 short, smaller ones are allowed (:mod:`~edl6dof.fsw.guidance.entry.reach`). Where load or heat rate would
 exceed their limits, vertical lift is added until the altitude rate respects them. Sources: Lu 2014, "Entry
-guidance: a unified method", J. Guidance, Control, and Dynamics 37(4), sections IV and V (range, altitude-rate
+guidance: a unified method", J. Guidance, Control, and Dynamics 37(3), sections IV and V (range, altitude-rate
 feedback, filters); Lu, Brunner, Stachowiak, Mendeck, Tigges & Cerimele 2017, "Verification of a fully
 numerical entry guidance algorithm", J. Guidance 40(2); Smith 2016, AAS 16-216 (reversals by prediction).
 
@@ -48,7 +48,12 @@ class FnpegParams(Params):
     )
     tolerance_m: float = param(50.0, "predicted miss at which the correction stops", gt=0.0, le=10e3)
     authority_m: float = param(
-        200.0, "range that bank must span in order to be corrected", status="design", ge=0.0, le=100e3
+        200.0,
+        "least change of range, from the smallest to the largest bank angle, at which the "
+        "bank angle is still corrected",
+        status="design",
+        ge=0.0,
+        le=100e3,
     )
     start_drag_m_s2: float = param(
         0.3, "drag at which correction begins; before, the first plan is flown", ge=0.0
@@ -60,12 +65,16 @@ class FnpegParams(Params):
     lift_time_s: float = param(
         3.0, "time in which lift corrects too low an altitude rate", status="design", gt=0.0, le=100.0
     )
-    reversals: int = param(3, "reversals planned", ge=0, le=10)
+    reversals: int = param(3, "number of planned reversals", ge=0, le=10)
     spacing: float = param(
-        0.55, "first guess of the speed of a reversal over the one before", status="design", gt=0.0, lt=1.0
+        0.55,
+        "first guess of the speed of a reversal, divided by that of the reversal before",
+        status="design",
+        gt=0.0,
+        lt=1.0,
     )
     stretch: bool = param(
-        True, "whether bank may be below bank_min_deg where range is short", status="design"
+        True, "whether the bank angle may be below bank_min_deg when range is short", status="design"
     )
     heading_speed_m_s: float | None = param(
         None, "this law's own value of heading.speed_m_s", status="design", record=False, ge=0.0, le=10e3
@@ -86,8 +95,9 @@ MEMORY = record(
 
 @kernel
 def bank_plan(params, onboard, nav, memory, bank, turn):
-    """Bank plan with magnitude ``bank`` (rad) now and the next reversal at speed ``turn`` (m/s); the excess
-    of ``bank`` over the largest bank angle is added to the last bank.
+    """Return the bank plan with the magnitude ``bank`` (rad) now and the next reversal at the speed ``turn``
+    (m/s). A magnitude above the largest bank angle is limited to it, and the excess is added to the last bank
+    angle of the plan.
     """
     now = min(bank, onboard.guidance.entry.bank_max)
     return linear(
@@ -102,7 +112,7 @@ def bank_plan(params, onboard, nav, memory, bank, turn):
 
 @kernel
 def most_bank(params, entry):
-    """Value (rad) of the unknown with which the largest bank angle is flown to the end."""
+    """Return the bank unknown of the plan (rad) with which the largest bank angle is flown to the end."""
     return entry.bank_max + max(entry.bank_max - params.last_bank, 0.0)
 
 
@@ -270,4 +280,4 @@ def guide(params, plan, onboard, nav, memory, out):
     return within_limits(params, onboard, nav, bank)
 
 
-MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(4); Smith 2016", MEMORY)
+MEMBER = Member("fnpeg", FnpegParams, {"guide": guide}, "Lu 2014, J. Guidance 37(3); Smith 2016", MEMORY)

@@ -23,7 +23,9 @@ class CrossrangeCorridorParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once the crossrange leaves the corridor on the present side."""
+    """Return the side to bank to (+1 right, -1 left), which changes when the crossrange leaves the corridor
+    on the present side.
+    """
     p = params
     limit = p.c0 + p.c1 * nav.speed + p.c2 * nav.speed * nav.speed
     return reversed_in_reach(onboard, nav, out, sign) if sign * out.crossrange > limit else sign

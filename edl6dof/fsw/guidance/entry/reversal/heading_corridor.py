@@ -25,7 +25,9 @@ class HeadingCorridorParams(Params):
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once the heading error leaves the corridor on the present side."""
+    """Return the side to bank to (+1 right, -1 left), which changes when the heading error leaves the
+    corridor on the present side.
+    """
     p, radius = params, onboard.planet.equatorial_radius
     error = asin(clamp(sin(out.crossrange / radius) / max(sin(out.range_to_go / radius), 1e-9), -1.0, 1.0))
     limit = p.near + (p.far - p.near) * min(out.range_to_go / p.far_range, 1.0)

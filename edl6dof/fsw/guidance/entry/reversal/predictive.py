@@ -24,18 +24,21 @@ class PredictiveParams(Params):
     """Predictive bank reversal."""
 
     ratio: float = param(
-        0.5, "predicted crossrange of a reversal now over that without, at which to reverse", gt=0.0, lt=1.0
+        0.5,
+        "predicted crossrange with a reversal now, divided by that without, at which the reversal is made",
+        gt=0.0,
+        lt=1.0,
     )
     dead_zone_m: float = param(
-        500.0, "predicted crossrange without reversal up to which none is made", ge=0.0, le=100e3
+        500.0, "predicted crossrange without reversal up to which no reversal is made", ge=0.0, le=100e3
     )
     least_drag_m_s2: float = param(1.0, "drag below which no reversal is made", ge=0.0)
 
 
 @kernel
 def side(params, onboard, nav, memory, out, wanted, sign):
-    """Side (+1 right): the other one once a reversal overshoots by at most ``ratio`` times the miss without
-    it.
+    """Return the side to bank to (+1 right, -1 left), which changes when the predicted crossrange miss after
+    a reversal now has the other sign and is at most ``ratio`` times the miss without reversal.
     """
     p, entry = params, onboard.guidance.entry
     if nav.drag < p.least_drag:

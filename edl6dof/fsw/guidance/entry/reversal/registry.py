@@ -1,9 +1,9 @@
-"""The bank-reversal logics, and the steering that all laws share: limits, side, heading alignment, level
-wings and bank rate turn the bank angle that a law wants into the commanded one.
+"""The bank-reversal logics, and the steering that all laws share: limits, sign, heading alignment, zero bank
+at the end, and bank rate turn the bank angle that a law demands into the commanded one.
 
-A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``: the side to bank to (+1
-right, -1 left), given the bank angle that the law wants (rad), the present side, and range and crossrange in
-``out``. ``params`` and ``memory`` belong to the member.
+A member has one kernel, ``side(params, onboard, nav, memory, out, wanted, sign)``, which returns the sign of
+the bank angle (+1 right, -1 left). ``wanted`` is the bank angle that the law demands (rad), ``sign`` the
+present sign; ``out`` contains range and crossrange. ``params`` and ``memory`` belong to the member.
 
 Source: the bank logic around the MSL entry guidance (Mendeck & Craig McGrew 2014): magnitude from the range
 control, sign from the lateral logic; near the end range control stops and the bank angle removes the heading
@@ -53,8 +53,8 @@ def limited(onboard, out, wanted):
 
 @kernel
 def chosen_side(bank_side, onboard, nav, memory, out, wanted):
-    """Side to bank to, first that of :func:`.aim_point.first_side`, then that of the reversal logic;
-    reversals are counted.
+    """Return the side to bank to: in the first call that of :func:`.aim_point.first_side`, later that of the
+    reversal logic. Reversals are counted.
     """
     p = onboard.guidance.entry.reversal
     if memory.sign == 0.0:
@@ -70,8 +70,9 @@ def chosen_side(bank_side, onboard, nav, memory, out, wanted):
 
 @kernel
 def steer_bank(bank_side, onboard, nav, memory, out, wanted):
-    """Write the commanded bank angle into ``out`` for the bank angle ``wanted`` by the law (rad; only
-    ``own_sign`` uses its sign). The rate limit moves the command through zero bank, never through lift down.
+    """Write the commanded bank angle into ``out``; ``wanted``: bank angle that the law demands (rad), whose
+    sign only ``own_sign`` uses. The rate limit changes the sign of the command through zero bank, never
+    through lift down.
     """
     p = onboard.guidance.entry
     if nav.speed < p.align_speed:

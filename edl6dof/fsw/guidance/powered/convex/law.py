@@ -78,7 +78,7 @@ class ConvexParams(Params):
     plan_interval_s: float = param(1.0, "time from one plan to the next", gt=0.0)
     last_plan_s: float = param(6.0, "time to go below which no new plan is made", gt=0.0)
     miss_price: float = param(
-        1.0, "cost in velocity of a metre of miss, where the target is out of reach, 1/s", gt=0.0
+        1.0, "price of a miss if the target is out of reach: velocity change per metre, 1/s", gt=0.0
     )
     iterations: int = param(300, "most iterations of a solution", ge=50, le=10000)
     position_gain: float = param(0.05, "acceleration per distance from the plan, 1/s2", ge=0.0)
@@ -161,7 +161,9 @@ def first_plan(p, landing, throttled, memory):
 
 @kernel
 def throttled_of(plan):
-    """Time in the throttle band, s; infinite if the whole plan is in it, whatever its length."""
+    """Return the time (s) that a plan spends in the throttle band after its start at full thrust. Without
+    such a start the time is infinite, whatever the duration of the plan.
+    """
     return plan.time - plan.full_time if plan.full_time > 0.0 else inf
 
 
@@ -226,8 +228,9 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return the distance (m) from the target, if one is required, at which a plan ends, plus the way of one
-    second at its final velocity.
+    """Return the error (m) of the end of a plan: horizontal distance from the target, if a target is
+    required, plus error of height, plus the distance covered in one second at the final velocity, which
+    should be zero.
     """
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))
@@ -235,7 +238,9 @@ def error_of(landing, plan):
 
 @kernel
 def guide(params, vehicle, state, nav, target, memory, out):
-    """Commanded thrust acceleration north, east, up (m/s2, gravity included) and the tilt limit (rad)."""
+    """Return the thrust acceleration north, east, up (m/s2, including the part that balances gravity) and the
+    tilt limit (rad).
+    """
     p, plan, landing = params, memory.plan, memory.landing
     elapsed = nav.t - memory.start
     if memory.plans == 0 or (elapsed >= p.plan_interval and plan.time - elapsed > p.last_plan):

@@ -46,7 +46,7 @@ GROWN = 1.4
 
 @kernel
 def lay_rows(plan):
-    """Write the factors that give the rows of the glide slope equal length and a gain of at most 1."""
+    """Write the factors that scale the rows of the glide slope to equal length, so that none exceeds 1."""
     common = CLAMPED / (GROWN * plan.time * plan.time) * sqrt(plan.time / CONTROLS)
     at = 0.0
     for k in range(CONTROLS - 1):
@@ -132,7 +132,9 @@ def alive(multiplier):
 
 @kernel
 def outside(point, slope):
-    """Vector from the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point`` (x, y, z)."""
+    """Return the vector from the nearest point of the cone z >= slope sqrt(x^2 + y^2) to ``point``
+    (x, y, z).
+    """
     x, y, z = point
     side = sqrt(x * x + y * y)
     if z >= slope * side:

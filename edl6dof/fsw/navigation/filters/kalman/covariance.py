@@ -234,7 +234,9 @@ def relative_deviation(covariance, spin, a):
 
 @kernel
 def report_covariance(planet, covariance, solution):
-    """Write the standard deviations of the solution."""
+    """Write the standard deviations of position (m), velocity (m/s) and attitude (rad) along north, east and
+    up, and that of the height above ground (m), into ``solution``.
+    """
     r_I, spin = take3(solution.r_I, 0), planet.rotation_rate
     north, east, up, _ = level_axes(planet, r_I, solution.t)
     for i, axis in enumerate((north, east, up)):

@@ -189,10 +189,10 @@ def clear_row(row):
 def hold_horizontal(up, gain):
     """Restrict the position update to the direction ``up``.
 
-    Radar and stars observe the horizontal position only through the direction of the vertical: a few
-    micrometres per second squared for a hundred metres, less than the effect of misaligned beams, slopes and
-    the gravity of mountains. The horizontal position is therefore considered, with its correlations, and not
-    estimated.
+    Radar and star tracker observe the horizontal position only through the direction of the vertical: an
+    error of a hundred metres changes it by as little as 3e-5 rad, which is less than the effect of misaligned
+    beams, slopes and the gravity of mountains. The horizontal position is therefore considered, with its
+    correlations, and not estimated.
     """
     put3(gain, POSITION, scale(dot(up, take3(gain, POSITION)), up))
 
