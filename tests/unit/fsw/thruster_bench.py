@@ -30,9 +30,9 @@ opposite = as_flown(exercise.opposite, "count, i, fsw", f"{MATRIX}, count, i")
 
 
 @kernel
-def exercise_signals(vehicle, sideways, axial, start, t, dt, fsw):
-    """Signals of the exercise with the records of a flight."""
-    return ExerciseSignals(
+def pair_to_test(params, vehicle, sideways, axial, start, t, dt, fsw):
+    """The pair that the exercise fires next."""
+    signals = ExerciseSignals(
         vehicle=vehicle,
         effectiveness=fsw[0].effectiveness.matrix,
         healthy=fsw[0].health.thruster,
@@ -44,16 +44,22 @@ def exercise_signals(vehicle, sideways, axial, start, t, dt, fsw):
         t=t,
         dt=dt,
     )
-
-
-@kernel
-def pair_to_test(params, vehicle, sideways, axial, start, t, dt, fsw):
-    """The pair that the exercise fires next."""
-    signals = exercise_signals(vehicle, sideways, axial, start, t, dt=dt, fsw=fsw)
     return exercise.pair_to_test(params[0], signals, fsw[0].diagnosis.exercise)
 
 
 @kernel
 def thruster_to_close(params, vehicle, t, dt, fsw):
     """The thruster that the exercise closes next."""
-    return exercise.thruster_to_close(params[0], exercise_signals(vehicle, 0, 0.0, 0.0, t, dt=dt, fsw=fsw))
+    signals = ExerciseSignals(
+        vehicle=vehicle,
+        effectiveness=fsw[0].effectiveness.matrix,
+        healthy=fsw[0].health.thruster,
+        diagnosis=fsw[0].diagnosis,
+        valves=fsw[0].modulation,
+        sideways=False,
+        axial=0.0,
+        start=0.0,
+        t=t,
+        dt=dt,
+    )
+    return exercise.thruster_to_close(params[0], signals)
