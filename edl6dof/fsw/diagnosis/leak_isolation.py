@@ -29,7 +29,7 @@ UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 #: Control cycles after a movement of the latch valve whose flow is not used, and the following ones that make
 #: a look.
 MIXED, LOOK = 1, 3
-LEAST_LOOKS = 3  # in one or two looks an opening parachute can resemble another thruster
+LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
 
 LEAK = record(
@@ -147,7 +147,8 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         most, confidence = most_probable(count, memory)
         if memory.metered == 0 and exp(most) < 1.0 - params.confidence:
             return HEALTHY, confidence
-        if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+        least = LEAST_LOOKS - memory.metered
+        if memory.looks >= least and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
             if memory.metered == 0 and confidence < params.confidence:
                 return HEALTHY, confidence
             memory.open = 0
