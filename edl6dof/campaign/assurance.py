@@ -28,7 +28,7 @@ from edl6dof.campaign.statistics import rank_above
 from edl6dof.config.base import REQUIRED, Params, Title, param, stated
 from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
-from edl6dof.config.validate import refuse, steps, validate
+from edl6dof.config.validate import judged
 from edl6dof.config.wording import unknown
 
 #: Share and confidence of a limit of the scenario that is judged as a requirement.
@@ -77,31 +77,27 @@ def load_requirements(path: Path, figures: Collection[str]) -> list[Requirement]
         ConfigError: every mistake, with file, line and key.
     """
     document = read_document(path, {})
-    own = dict(_problems(document.data.get("requirements"), figures))
-    try:
-        found = validate(RequirementsFile, document)
-    except ConfigError as error:
-        more = [document.problem(steps(place), message) for place, message in own.items()]
-        raise ConfigError([*error.problems, *more]) from None
-    refuse(document, own)
+    found, problems = judged(RequirementsFile, document)
+    own = _problems(document.data.get("requirements"), figures)
+    problems += [document.problem(("requirements", *place), words) for place, words in own]
+    if problems:
+        raise ConfigError(problems)
     return found.requirements
 
 
-def _problems(items: Any, figures: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Yield place and message of what the declaration of a requirement cannot check alone."""
+def _problems(items: Any, figures: Collection[str]) -> Iterator[tuple[tuple[int, str], str]]:
+    """Yield place and message of each problem that the declaration of a requirement cannot find alone."""
     names: list[Any] = []
     for number, item in enumerate(items if isinstance(items, list) else ()):
-        given, place = (item if isinstance(item, dict) else {}), f"requirements.{number}"
+        given = item if isinstance(item, dict) else {}
         if isinstance(figure := given.get("figure"), str) and figure not in figures:
-            yield f"{place}.figure", unknown("figure", figure, sorted(figures))
+            yield (number, "figure"), unknown("figure", figure, sorted(figures))
         if (name := given.get("id")) is not None and name in names:
-            yield f"{place}.id", f"must be given once (got {name!r} twice)"
+            yield (number, "id"), f"must be given once (got {name!r} twice)"
         bounds = [key for key in ("at_most", "at_least") if given.get(key) is not None]
         if len(bounds) != 1:
-            yield (
-                f"{place}.at_most",
-                f"give one of at_most and at_least (got {' and '.join(bounds) or 'none'})",
-            )
+            words = f"give one of at_most and at_least (got {' and '.join(bounds) or 'none'})"
+            yield (number, "at_most"), words
         names.append(name)
 
 
@@ -117,7 +113,7 @@ class Verdict:
             figure; ``None`` if the flights are too few, or too many of them failed.
         verdict: result.
         needed: flights of a campaign that verifies the requirement with this number of failures.
-        worst: rows of the worst flights, the worst first.
+        worst: row and figure of the worst flights, the worst first; NaN without a value.
     """
 
     requirement: Requirement
@@ -127,7 +123,7 @@ class Verdict:
     bound: float | None
     verdict: Literal["verified", "violated", "undecided"]
     needed: int
-    worst: tuple[int, ...]
+    worst: tuple[tuple[int, float], ...]
 
 
 def judge(requirement: Requirement, values: np.ndarray, failed: np.ndarray) -> Verdict:
@@ -148,11 +144,11 @@ def judge(requirement: Requirement, values: np.ndarray, failed: np.ndarray) -> V
     verdict: Literal["verified", "violated", "undecided"] = "violated" if high < share else "undecided"
     if bdtr(failures, n, 1.0 - share) <= 1.0 - confidence:
         verdict = "verified"
-    worst = np.argsort(-worse, kind="stable")[:_WORST]
+    worst = np.argsort(-worse, kind="stable")[:_WORST].tolist()
     return Verdict(
         *(requirement, n, failures, low, bound if isfinite(bound) else None, verdict),
         needed=flights_to_verify(failures, share, confidence),
-        worst=tuple(worst.tolist()),
+        worst=tuple((row, float(values[row])) for row in worst),
     )
 
 

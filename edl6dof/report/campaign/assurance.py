@@ -122,9 +122,9 @@ class Assurance:
 
     def worst(self, one: Verdict) -> list[dict[str, Any]]:
         """Worst cases of a requirement: number, value (NaN if the flight has none), and refly command."""
-        values, folder = _column(self.results, one.requirement.figure), quote(str(self.results.folder))
-        cases = [(int(self.results.cases[row]), float(values[row])) for row in one.worst]
-        return [{"case": n, "value": value, "command": f"edl6dof refly {folder} {n}"} for n, value in cases]
+        cases, again = self.results.cases, f"edl6dof refly {quote(str(self.results.folder))}"
+        found = [(int(cases[row]), value) for row, value in one.worst]
+        return [{"case": case, "value": value, "command": f"{again} {case}"} for case, value in found]
 
     def __repr__(self) -> str:
         return f"<Assurance {self.headline}>"
@@ -154,13 +154,10 @@ def assess(folder: Path, requirements: Path | None = None) -> Assurance:
         source, wanted = str(requirements), judging.load_requirements(requirements, known)
     if not wanted:
         raise refusal(folder, "its scenario has no limits: name a file of requirements")
-    verdicts = (judge(one, _column(results, one.figure), results.failed) for one in wanted)
+    absent = np.full(len(results.cases), np.nan)
+    figures = (results[one.figure] if results.has(one.figure) else absent for one in wanted)
+    verdicts = (judge(*pair, results.failed) for pair in zip(wanted, figures, strict=True))
     return Assurance(results, tuple(verdicts), source)
-
-
-def _column(results: Results, figure: str) -> np.ndarray:
-    """Return a figure of all flights, NaN if no flight reached it."""
-    return results[figure] if results.has(figure) else np.full(len(results.cases), np.nan)
 
 
 def assurance_report(found: Assurance) -> Report:
