@@ -287,3 +287,64 @@ def covariance(
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
         print(out)
+
+
+def rare(
+    campaign: Annotated[str, argument("CAMPAIGN", "Campaign file or name.")],
+    requirements: Annotated[
+        Path | None,
+        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
+    ] = None,
+    requirement: Annotated[
+        str, option("ID", "Requirement of the file, or figure that has a limit in the scenario.")
+    ] = "",
+    sets: Sets = None,
+    size: Annotated[
+        int, option("N", "Flights of each level of a population.", "-n", "--size", min=20, max=100_000)
+    ] = 150,
+    populations: Annotated[int, option("N", "Independent populations.", min=2, max=64)] = 4,
+    seed: Annotated[int | None, option("N", "Seed; the campaign's if not given.", min=0)] = None,
+    workers: Workers = None,
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/rare-<campaign> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing folder of this command.", "--force")] = False,
+    resume: Annotated[bool, flag("Resume an interrupted simulation.", "--resume")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
+) -> None:
+    """Compute the probability of a rare violation of a requirement.
+
+    A subset simulation flies the dispersions of the campaign towards the violation: a probability of one in
+    a hundred thousand takes about 4,000 flights. It also describes the region of the inputs in which the
+    requirement is violated. The folder contains every flight, rare.html and the scenarios of the worst cases.
+
+    Exit status: 0 finished, 2 bad input, 130 interrupted.
+    """
+    from edl6dof.api import functions
+    from edl6dof.api.progress import count_runs
+    from edl6dof.api.reports import write_page
+    from edl6dof.config.dump import json_text
+    from edl6dof.report.campaign.rare import rare_report
+    from edl6dof.report.terminal import show_report
+
+    target = out or Path("runs") / f"rare-{Path(campaign).stem}"
+    given = {"requirements": requirements, "size": size, "populations": populations, "seed": seed}
+    given |= {"workers": workers, "force": force, "resume": resume}
+    began = time.process_time()
+    try:
+        with count_runs("rare", as_json) as count:
+            found = functions.rare(
+                *(campaign, requirement, tuple(sets or ())),
+                **given,
+                out=target,
+                progress=lambda flown: count(flown, None),
+            )
+    except KeyboardInterrupt:
+        print("interrupted; what has flown is kept; repeat the command with --resume", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    page = target / "rare.html"
+    report = rare_report(found)
+    write_page(report, page, True, target)
+    if as_json:
+        print(json_text(found.data), end="")
+        return
+    show_report(report)
+    print(f"\n{time.process_time() - began:.0f} s of CPU in this run; {page}")
