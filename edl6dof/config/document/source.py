@@ -140,7 +140,9 @@ def _parsed(text: str, file: str) -> Document:
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
-    """Put the content of the file called ``value``, with its own marks, into ``document.data[key]``."""
+    """Load the file named ``value`` (a name or path of this ``kind``) into ``document.data[key]``, with the
+    places of its values in that file.
+    """
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     found, places = find_include(value, kind, folder)
     if found is None:
