@@ -81,8 +81,8 @@ class Request:
     @property
     def text(self) -> str:
         """The plan as YAML, and the other values in a comment."""
-        values = {"requirement": self.requirement.model_dump(exclude={"share", "confidence"})}
-        values |= {"size": self.size, "populations": self.populations}
+        requirement = self.requirement.model_dump(exclude={"share", "confidence"})
+        values = {"requirement": requirement, "size": self.size, "populations": self.populations}
         return f"{self.plan.text}# rare: {' '.join(json_text(values).split())}\n"
 
     @property
@@ -113,8 +113,7 @@ class RareFailure:
     @property
     def estimate(self) -> Estimate:
         """Probability of the failure, with its interval."""
-        probabilities = [one.probability for one in self.populations]
-        return estimate(probabilities, self.request.requirement.confidence)
+        return estimate(self.populations, self.request.requirement.confidence)
 
     @property
     def failures(self) -> list[Row]:

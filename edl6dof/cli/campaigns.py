@@ -326,15 +326,19 @@ def rare(
     from edl6dof.report.terminal import show_report
 
     target = out or Path("runs") / f"rare-{Path(campaign).stem}"
-    given = {"requirements": requirements, "size": size, "populations": populations, "seed": seed}
-    given |= {"workers": workers, "force": force, "resume": resume}
     began = time.process_time()
     try:
         with count_runs("rare", as_json) as count:
             found = functions.rare(
                 *(campaign, requirement, tuple(sets or ())),
-                **given,
+                requirements=requirements,
+                size=size,
+                populations=populations,
+                seed=seed,
+                workers=workers,
                 out=target,
+                force=force,
+                resume=resume,
                 progress=lambda flown: count(flown, None),
             )
     except KeyboardInterrupt:

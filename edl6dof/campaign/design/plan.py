@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -119,7 +119,7 @@ class Plan:
             yield case
 
     def cases_of(
-        self, unit: np.ndarray, profiles: Sequence[int], indices: Sequence[int], point: int = 0
+        self, unit: np.ndarray, profiles: Iterable[int], indices: Iterable[int], point: int = 0
     ) -> Iterator[Case]:
         """Cases that follow from given numbers.
 
@@ -134,14 +134,15 @@ class Plan:
         values = list(self._values(unit))
         own = cell.faults if cell else [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
         random = self.campaign is not None and self.campaign.profiles
-        for row, faults in enumerate(self._faults(unit)):
+        found = zip(indices, profiles, self._faults(unit), strict=True)
+        for row, (index, profile, faults) in enumerate(found):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
             for target, value in [*((target, every[row]) for target, every in values), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
             if cell or faults:
                 changes["truth"]["faults"] = [*own, *faults]
-            profile = int(profiles[row]) if random else None
-            yield Case(int(indices[row]), **changes, profile=profile, label={**cell.label} if cell else {})
+            label = {**cell.label} if cell else {}
+            yield Case(int(index), **changes, profile=int(profile) if random else None, label=label)
 
     @cached_property
     def numbers(self) -> list[str]:

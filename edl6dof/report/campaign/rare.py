@@ -16,8 +16,8 @@ _SHOWN_FROM, _MOST = 0.1, 8
 _STUCK = 0.05
 _MEANING = """\
 The probability is the mean over the populations; its interval follows from their spread. A mode of failure \
-that no population has found is not in it: populations whose probabilities or regions differ widely show that \
-there are several modes or too few flights in a level."""
+that no population has found is not in it: populations whose probabilities or regions differ widely show \
+several modes, or too few flights in a level."""
 
 
 def rare_report(found: RareFailure) -> Report:
