@@ -127,7 +127,8 @@ class RareFailure:
     def without_figure(self) -> Counter[str]:
         """Outcomes of the failures that ended before they reached the figure, with their number."""
         figure = self.request.requirement.figure
-        return Counter(str(row["cause"]) for row in self.failures if row.get(figure) is None)
+        short = [row for row in self.failures if row.get(figure) is None]
+        return Counter(str(row["cause"] or row["outcome"]) for row in short)
 
     @property
     def regions(self) -> dict[str, Region]:

@@ -15,9 +15,9 @@ _SHOWN_FROM, _MOST = 0.1, 8
 #: Share of kept steps below which chains hardly move.
 _STUCK = 0.05
 _MEANING = """\
-The probability is the mean over the populations; its interval follows from their spread. A mode of failure \
-that no population has found is not in it: populations whose probabilities or regions differ widely show \
-several modes, or too few flights in a level."""
+The probability is the mean over the populations. Its interval contains the errors by the number of flights \
+and by the correlation of the chains. It does not contain a mode of failure that no population has found: \
+populations whose probabilities or regions differ widely show several modes, or too few flights in a level."""
 
 
 def rare_report(found: RareFailure) -> Report:
@@ -26,7 +26,7 @@ def rare_report(found: RareFailure) -> Report:
     unit = printed(figure_of_merit(asked.figure).unit.label)
     violated = f"{asked.figure} {'>' if asked.sign > 0.0 else '<'} {significant(asked.limit)} {unit}".strip()
     headline = f"{found.request.plan.name}: probability of {violated}: {one.probability:.2g}"
-    interval = "none: a population has found no failure"
+    interval = "none: no failure was found"
     if one.low is not None and one.high is not None:
         interval = f"{one.low:.2g} .. {one.high:.2g}"
     facts = [
