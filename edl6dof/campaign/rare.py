@@ -91,6 +91,17 @@ class Request:
         own = {"plan": sha256(self.text.encode())}
         return Info(until=None, identity=identity(self.plan).model_copy(update=own))
 
+    def value(self, row: Row) -> float:
+        """Figure of a flight; NaN if the flight did not reach it."""
+        found = row.get(self.requirement.figure)
+        return nan if found is None else float(found)
+
+    def margins(self, rows: list[Row]) -> np.ndarray:
+        """Margin of each flight, in the unit of the figure, shape (flights,)."""
+        values = np.array(list(map(self.value, rows)))
+        margins = self.requirement.sign * (self.requirement.limit - values)
+        return np.where(np.isnan(values), -np.inf, margins)
+
 
 @dataclass(frozen=True, repr=False)
 class RareFailure:
@@ -126,8 +137,7 @@ class RareFailure:
     @property
     def without_figure(self) -> Counter[str]:
         """Outcomes of the failures that ended before they reached the figure, with their number."""
-        figure = self.request.requirement.figure
-        short = [row for row in self.failures if row.get(figure) is None]
+        short = [row for row in self.failures if np.isnan(self.request.value(row))]
         return Counter(str(row["cause"] or row["outcome"]) for row in short)
 
     @property
@@ -143,15 +153,14 @@ class RareFailure:
 
     @property
     def worst(self) -> list[dict[str, Any]]:
-        """Worst failures: number, value (NaN if not reached), and the command that flies the case again."""
-        figure, rows = self.request.requirement.figure, self.failures[:_WORST]
+        """Worst failures that could fly: number, value (NaN if not reached), and the command that flies the
+        case again.
+        """
+        rows = [row for row in self.failures if row["end_s"] > 0.0][:_WORST]
+        files = [quote(str(self.folder / case_file(row["case"]))) for row in rows]
         return [
-            {
-                "case": row["case"],
-                "value": nan if row.get(figure) is None else row[figure],
-                "command": f"edl6dof fly {quote(str(self.folder / case_file(row['case'])))}",
-            }
-            for row in rows
+            {"case": row["case"], "value": self.request.value(row), "command": f"edl6dof fly {file}"}
+            for row, file in zip(rows, files, strict=True)
         ]
 
     @property
@@ -231,6 +240,7 @@ def fly(
     with store.lock(make=not resume):
         if resume:
             _check_same(request, store)
+            store.tidy()
         else:
             store.begin(request.text, request.info, force)
         flown = _Flown(request, store.parts, workers, progress)
@@ -280,7 +290,7 @@ class _Flown:
                     self.progress(len(self.rows) + len(rows))
             self.parts.write(index, table_of(rows))
         self.rows |= zip(numbers, rows, strict=True)
-        return self._margins(rows)
+        return self.request.margins(rows)
 
     def _kept(self, index: int, numbers: list[int]) -> list[Row] | None:
         """Rows of an earlier process; ``None`` if they are missing, damaged, or those of other cases."""
@@ -289,11 +299,6 @@ class _Flown:
                 rows = self.parts.read(index).read().to_pylist()
                 return rows if [row["case"] for row in rows] == numbers else None
         return None
-
-    def _margins(self, rows: list[Row]) -> np.ndarray:
-        asked = self.request.requirement
-        values = np.array([row.get(asked.figure) for row in rows], dtype=float)
-        return np.where(np.isnan(values), -np.inf, asked.sign * (asked.limit - values))
 
 
 def _write_worst(found: RareFailure) -> None:
@@ -304,6 +309,5 @@ def _write_worst(found: RareFailure) -> None:
         one = points.only(row)
         (case,) = found.request.plan.cases_of(normal_share(one.deviates), one.profiles, one.numbers)
         own = replace(case, belief={**case.belief, "name": f"{found.request.plan.name}_case{case.index}"})
-        with suppress(ConfigError):  # it could not fly
-            text = resolved_text(scenario_of(found.request.plan.loaded, own))
-            write_atomic(found.folder / case_file(case.index), text.encode())
+        text = resolved_text(scenario_of(found.request.plan.loaded, own))
+        write_atomic(found.folder / case_file(case.index), text.encode())
