@@ -140,7 +140,7 @@ def test_the_folder_is_no_campaign(edl6dof, drops):
 
 def test_bad_input_is_refused(edl6dof, drops, tmp_path):
     for words, message in (
-        ((drops, "r.yaml", "--requirement", "HIGHT"), "no requirement 'HIGHT'; did you mean 'HIGH'?"),
+        ((drops, "r.yaml", "--requirement", "LAN"), "no requirement 'LAN'; did you mean 'LAND'?"),
         ((drops, "--requirement", "HIGH"), "no requirement"),
         (("tianwen1", "--requirement", "HIGH"), "campaign:"),
         ((drops, "none.yaml", "--requirement", "HIGH"), "none.yaml"),

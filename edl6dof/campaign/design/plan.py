@@ -183,7 +183,7 @@ class Plan:
     @property
     def _width(self) -> int:
         """Number of dispersed parameters."""
-        return sum(len(draw.targets) for draw in self.draws)
+        return len([target for draw in self.draws for target in draw.targets])
 
     def _faults(self, unit: np.ndarray) -> list[list[dict[str, Any]]]:
         """Drawn faults of each case."""
