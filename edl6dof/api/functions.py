@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
+    from edl6dof.campaign.rare import Progress as RareProgress
+    from edl6dof.campaign.rare import RareFailure
     from edl6dof.report.campaign.assurance import Assurance
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
@@ -182,6 +184,58 @@ def assure(
     if out is not None:
         write_page(assurance_report(found), Path(out), force, folder)
     return found
+
+
+@naming_arguments(size="n")
+def rare(
+    scenario: str | Path | Scenario,
+    requirement: str,
+    overrides: Overrides = (),
+    *,
+    out: str | Path,
+    requirements: str | Path | None = None,
+    size: int = 150,
+    populations: int = 4,
+    seed: int | None = None,
+    workers: int | None = None,
+    force: bool = False,
+    resume: bool = False,
+    progress: RareProgress | None = None,
+) -> RareFailure:
+    """Compute the probability that a flight violates a requirement, as ``edl6dof rare`` does.
+
+    Args:
+        scenario: campaign file or name; its dispersions are varied.
+        requirement: name of the requirement.
+        overrides: changes of the scenario, as for :func:`load`.
+        out: folder of the flights, from which they can be resumed.
+        requirements: file of requirements; by default every limit of the scenario is one, named by its
+            figure.
+        size: number of flights of each level of a population.
+        populations: number of independent populations.
+        seed: seed of the populations; by default that of the campaign.
+        workers: number of threads; by default all cores.
+        force: True to replace an existing folder of this kind.
+        resume: True to resume an interrupted simulation.
+        progress: called with the number of flights flown so far.
+
+    Raises:
+        ConfigError: the campaign or the requirement is wrong, or the folder must not be replaced.
+    """
+    name, sets = named(scenario, overrides)
+    activate(name)
+    from edl6dof.campaign import rare
+    from edl6dof.campaign.assurance import load_requirements
+    from edl6dof.campaign.design.plan import load_plan
+    from edl6dof.metrics.figures import DECLARED
+
+    plan = load_plan(name, sets, seed=seed)
+    known = rare.limits_as_requirements(plan)
+    if requirements is not None:
+        known = load_requirements(Path(requirements), DECLARED)
+    request = rare.Request(plan, rare.chosen(known, requirement), size, populations)
+    store = rare.RareStore(Path(out))
+    return rare.fly(request, store, workers=workers, resume=resume, force=force, progress=progress)
 
 
 @naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})

@@ -39,9 +39,6 @@ _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 #: Lock of the process that works in the folder.
 _LOCK = ".lock"
 
-_FILES = re.compile(
-    r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|(?:report|assurance)\.(?:html|pdf)"
-)
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 
@@ -115,7 +112,7 @@ class Summary(Sealed):
     faults: dict[str, Any] | None = None
 
 
-def _file(name: str) -> Any:
+def file_of(name: str) -> Any:
     """A property: the file of this name in a campaign's folder."""
     return property(lambda store: store.folder / name)
 
@@ -125,16 +122,19 @@ class Store:
     """A campaign's folder.  Every read raises ``ConfigError`` for content that is not as it was written."""
 
     folder: Path
-    _info = _file("campaign.json")
-    _plan = _file("campaign.yaml")
-    _cases = _file("cases.parquet")
-    _summary = _file("summary.json")
+    _info = file_of("campaign.json")
+    _plan = file_of("campaign.yaml")
+    _cases = file_of("cases.parquet")
+    _summary = file_of("summary.json")
+    _files = re.compile(
+        r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|(?:report|assurance)\.(?:html|pdf)"
+    )
 
     @property
     def info(self) -> Info:
         """Content of ``campaign.json``."""
         if not self.folder.is_dir() or not os.path.lexists(self._info):
-            raise refusal(self.folder, "is not the folder of a campaign (no campaign.json)")
+            raise refusal(self.folder, f"is not the folder of a campaign (no {self._info.name})")
         return read_sealed(self._info, Info)
 
     @property
@@ -142,7 +142,9 @@ class Store:
         """Text of the plan."""
         info = self.info
         if self.is_half_begun:
-            words = "has no campaign.yaml: the program was stopped while it began or replaced the campaign"
+            words = (
+                f"has no {self._plan.name}: the program was stopped while it began or replaced the campaign"
+            )
             raise refusal(self.folder, f"{words}; begin it anew with --force")
         plan = read_file(self._plan)
         if sha256(plan) != info.identity.plan:
@@ -266,7 +268,7 @@ class Store:
             if names is not None and entry.is_dir() and not entry.is_symlink():
                 yield from (_required(file, names) for file in sorted(entry.iterdir()))
             else:
-                yield _required(entry, _FILES)
+                yield _required(entry, self._files)
 
     def tidy(self) -> None:
         """Remove the unfinished files of killed programs, and the parts of a complete campaign."""

@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import INTERRUPTED, Sets, Workers, argument, check_target, flag, option
+from edl6dof.cli.group import INTERRUPTED, Sets, Workers, argument, check_target, flag, option, refuse
 from edl6dof.config.errors import refusal
 
 #: Events for which flights may end at the deployment of the parachute.
@@ -287,3 +287,73 @@ def covariance(
 
                 write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
         print(out)
+
+
+def rare(
+    campaign: Annotated[str, argument("CAMPAIGN", "Campaign file or name.")],
+    requirement: Annotated[
+        str, option("ID", "Requirement of the file, or figure that has a limit in the scenario.")
+    ],
+    requirements: Annotated[
+        Path | None,
+        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
+    ] = None,
+    sets: Sets = None,
+    size: Annotated[
+        int, option("N", "Flights of each level of a population.", "-n", "--size", min=20, max=100_000)
+    ] = 150,
+    populations: Annotated[int, option("N", "Independent populations.", min=2, max=64)] = 4,
+    seed: Annotated[int | None, option("N", "Seed; the campaign's if not given.", min=0)] = None,
+    workers: Workers = None,
+    out: Annotated[Path | None, option("FOLDER", "Folder; runs/rare-<campaign> if not given.")] = None,
+    force: Annotated[bool, flag("Replace an existing folder of this command.", "--force")] = False,
+    resume: Annotated[bool, flag("Resume an interrupted simulation.", "--resume")] = False,
+    as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
+) -> int:
+    """Compute the probability of a rare violation of a requirement.
+
+    A subset simulation flies the dispersions of the campaign towards the violation: a probability of one in
+    a hundred thousand takes about 4,000 flights. It also describes the region of the inputs in which the
+    requirement is violated. The folder contains every flight, rare.html and the scenarios of the worst cases.
+
+    Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+    """
+    activate(campaign)
+    from edl6dof.api import functions
+    from edl6dof.api.progress import count_runs
+    from edl6dof.api.reports import write_page
+    from edl6dof.config.dump import json_text
+    from edl6dof.report.campaign.rare import rare_report
+    from edl6dof.report.terminal import show_report
+
+    target = out or Path("runs") / f"rare-{Path(campaign).stem}"
+    began = time.process_time()
+    try:
+        with count_runs("rare", as_json) as count:
+            found = functions.rare(
+                *(campaign, requirement, tuple(sets or ())),
+                requirements=requirements,
+                size=size,
+                populations=populations,
+                seed=seed,
+                workers=workers,
+                out=target,
+                force=force,
+                resume=resume,
+                progress=lambda flown: count(flown, None),
+            )
+    except KeyboardInterrupt:
+        print("interrupted; what has flown is kept; repeat the command with --resume", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        reason = f"{error.filename2 or error.filename or target}: {error.strerror or error}"
+        return refuse(f"{reason}; what has flown is kept; repeat the command with --resume")
+    page = target / "rare.html"
+    report = rare_report(found)
+    write_page(report, page, True, target)
+    if as_json:
+        print(json_text(found.data), end="")
+    else:
+        show_report(report)
+        print(f"\n{time.process_time() - began:.0f} s of CPU in this run; {page}")
+    return 0

@@ -110,6 +110,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'",
     ),
     "covariance": ("edl6dof covariance tianwen1_mc", "edl6dof covariance tianwen1_mc --at touchdown"),
+    "rare": (
+        "edl6dof rare tianwen1_mc requirements.yaml --requirement EDL-2",
+        "edl6dof rare tianwen1_mc --requirement touchdown_vertical_m_s -n 1000",
+    ),
     "refly": (
         "edl6dof refly runs/tianwen1_mc 17",
         "edl6dof refly runs/tianwen1_mc --worst landing_distance_m",

@@ -76,6 +76,15 @@ class Draw:
         mean = np.array([target.nominal for target in self.targets], dtype=float)
         return list((mean + product(deviates(unit), cholesky(self.distribution.matrix).T)).T)
 
+    def scores(self, deviates: np.ndarray) -> np.ndarray:
+        """Normal scores of the parameters from independent standard normal deviates, shape (cases, targets);
+        those of correlated parameters are correlated.
+        """
+        if isinstance(self.distribution, DistributionParams):
+            return deviates
+        matrix = self.distribution.matrix
+        return product(deviates, cholesky(matrix).T) / np.sqrt(np.diag(matrix))
+
 
 def drawn(draws: Sequence[Draw], columns: np.ndarray) -> Iterator[tuple[Draw, np.ndarray]]:
     """Yield each draw with its own columns, shape (cases, its targets), out of those of all draws."""

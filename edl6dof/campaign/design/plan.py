@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -108,53 +108,93 @@ class Plan:
             first += stop - start
 
     def _at_point(self, point: int, start: int, stop: int) -> Iterator[Case]:
+        design, first = self.saltelli, point * self.per_point + start
+        profiles = [design.profile(number) if design else number for number in range(start, stop)]
+        indices = range(first, first + stop - start)
+        for case in self.cases_of(self.unit_numbers(start, stop), profiles, indices, point):
+            if design is not None:
+                case = replace(
+                    case, label={MATRIX: design.matrix(case.index), ROW: case.index // design.width}
+                )
+            yield case
+
+    def cases_of(
+        self, unit: np.ndarray, profiles: Iterable[int], indices: Iterable[int], point: int = 0
+    ) -> Iterator[Case]:
+        """Cases that follow from given numbers.
+
+        Args:
+            unit: numbers in 0..1, shape (cases, numbers of :meth:`unit_numbers`).
+            profiles: number of the random profiles of each case.
+            indices: number of each case.
+            point: number of the point of the sweep, or of the cell of the fault matrix.
+        """
         cell, place = self._points[point]
         swept = list(zip((target for target, _ in self.axes), place, strict=True))
-        values, profiles = (
-            list(self.values(start, stop)),
-            self.campaign is not None and self.campaign.profiles,
-        )
+        values = list(self._values(unit))
         own = cell.faults if cell else [fault.model_dump(mode="json") for fault in self.loaded.truth.faults]
-        for number, faults in enumerate(self._faults(start, stop), start):
+        random = self.campaign is not None and self.campaign.profiles
+        found = zip(indices, profiles, self._faults(unit), strict=True)
+        for row, (index, profile, faults) in enumerate(found):
             changes: dict[str, dict[str, Any]] = {"truth": {}, "belief": {}}
-            for target, value in [*((target, every[number - start]) for target, every in values), *swept]:
+            for target, value in [*((target, every[row]) for target, every in values), *swept]:
                 changes["truth" if target.of == "truth" else "belief"][target.path] = _plain(value)
             if cell or faults:
                 changes["truth"]["faults"] = [*own, *faults]
-            profile = number
-            label: dict[str, Any] = {**cell.label} if cell else {}
-            if self.saltelli is not None:
-                profile = self.saltelli.profile(number)
-                label |= {MATRIX: self.saltelli.matrix(number), ROW: number // self.saltelli.width}
-            index = point * self.per_point + number
-            yield Case(index, **changes, profile=profile if profiles else None, label=label)
+            label = {**cell.label} if cell else {}
+            yield Case(int(index), **changes, profile=int(profile) if random else None, label=label)
+
+    @cached_property
+    def numbers(self) -> list[str]:
+        """Names of the numbers in 0..1 from which a case follows: one for each dispersed parameter, then
+        three for each fault that may happen.
+        """
+        faults = range(len(self.campaign.faults) if self.campaign is not None else 0)
+        rare = [f"faults.{k}.{what}" for k in faults for what in ("happens", "which", "later")]
+        return [*(name for draw in self.draws for name in draw.names), *rare]
+
+    def unit_numbers(self, start: int, stop: int) -> np.ndarray:
+        """Numbers in 0..1 of cases ``start .. stop - 1`` of a point, shape (cases, numbers)."""
+        if self.campaign is None:
+            return np.zeros((stop - start, 0))
+        seed, sampling, cases = self.campaign.seed, self.campaign.sampling, self.campaign.cases
+        if self.saltelli is not None:
+            return self.saltelli.unit_numbers(start, stop)
+        names, rare = self.numbers[: self._width], self.numbers[self._width :]
+        values = unit_numbers(sampling, seed, names, cases, start, stop)
+        # faults are rare, so they are drawn independently of the sampling plan
+        return np.hstack([values, unit_numbers("monte_carlo", seed, rare, cases, start, stop)])
 
     def values(self, start: int, stop: int) -> Iterator[tuple[Target, np.ndarray]]:
         """Values drawn for cases ``start .. stop - 1`` of a point."""
-        if self.campaign is None:
-            return
-        if self.saltelli is not None:
-            unit = self.saltelli.unit_numbers(start, stop)
-        else:
-            names = [name for draw in self.draws for name in draw.names]
-            sampling, seed = self.campaign.sampling, self.campaign.seed
-            unit = unit_numbers(sampling, seed, names, self.campaign.cases, start, stop)
-        for draw, own in drawn(self.draws, unit):
+        return self._values(self.unit_numbers(start, stop))
+
+    def _values(self, unit: np.ndarray) -> Iterator[tuple[Target, np.ndarray]]:
+        for draw, own in drawn(self.draws, unit[:, : self._width]):
             yield from zip(draw.targets, draw.values(own), strict=True)
 
-    def _faults(self, start: int, stop: int) -> list[list[dict[str, Any]]]:
-        """Drawn faults of each case; they are rare, so they are drawn independently of the sampling plan."""
-        found: list[list[dict[str, Any]]] = [[] for _ in range(stop - start)]
-        if self.campaign is None:
-            return found
-        for k, draw in enumerate(self.campaign.faults):
-            names = [f"faults.{k}.{what}" for what in ("happens", "which", "later")]
-            unit = unit_numbers("monte_carlo", self.campaign.seed, names, self.campaign.cases, start, stop)
-            for offset in np.flatnonzero(unit[:, 0] < draw.chance):
-                fault = deepcopy(draw.one_of[int(unit[offset, 1] * len(draw.one_of))])
+    def scores(self, deviates: np.ndarray) -> np.ndarray:
+        """Deviations of the parameters from their mean in standard deviations (normal scores if they are not
+        normal), and those of the numbers of faults, from standard normal deviates, shape (cases, numbers).
+        """
+        values = [draw.scores(own) for draw, own in drawn(self.draws, deviates[:, : self._width])]
+        return np.hstack([*values, deviates[:, self._width :]])
+
+    @property
+    def _width(self) -> int:
+        """Number of dispersed parameters."""
+        return len([target for draw in self.draws for target in draw.targets])
+
+    def _faults(self, unit: np.ndarray) -> list[list[dict[str, Any]]]:
+        """Drawn faults of each case."""
+        found: list[list[dict[str, Any]]] = [[] for _ in unit]
+        for k, draw in enumerate(self.campaign.faults if self.campaign is not None else ()):
+            happens, which, later = unit[:, self._width + 3 * k :][:, :3].T
+            for row in np.flatnonzero(happens < draw.chance):
+                fault = deepcopy(draw.one_of[int(which[row] * len(draw.one_of))])
                 key = "plus_s" if fault["at"].get("phase") is not None else "time_s"
-                fault["at"][key] = fault["at"].get(key, 0.0) + float(unit[offset, 2]) * draw.later_s
-                found[offset].append(fault)
+                fault["at"][key] = fault["at"].get(key, 0.0) + float(later[row]) * draw.later_s
+                found[row].append(fault)
         return found
 
 
