@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from textwrap import shorten
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from edl6dof.report.catalogue import STATES
 from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 from edl6dof.telemetry.columns import EXCLUDED
 
-CONFIGURATIONS = ("entry vehicle", "parachute", "heat shield gone", "lander")
+CONFIGURATIONS = ("entry vehicle", "parachute open", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
 #: Keys of events that are warnings.
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
@@ -27,6 +26,8 @@ LANE_PX, LETTER_PX = 1100.0, 6.6
 MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
+#: Labels of states that do not show their names.
+_SHORT = {"firing": _BLANK}
 
 
 #: Least rate of the rows, Hz.
@@ -100,7 +101,7 @@ class Lanes(Recorder):
             self._lane(name, lane)
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-            self._switched(ENGINE, {"on": (on, FIRE)})
+            self._switched(ENGINE, self.t, {"on": (on, FIRE)})
         self._thrusters()
         self._instruments()
         self._events()
@@ -128,33 +129,24 @@ class Lanes(Recorder):
         for jet, firing in self.flight.firing.items():
             failed = self.flight.failures.get(jet, np.zeros(len(self.t)))[thinned] > 0
             states = {"firing": (firing & ~failed, FIRE), "failed": (failed, RED)}
-            self._switched(lane_of("thruster", jet), states, t, {"firing": _BLANK})
+            self._switched(lane_of("thruster", jet), t, states)
 
     def _instruments(self) -> None:
         """Write a lane for each instrument: in use, saturated or excluded; or, of a beam, its echo used."""
         for one in self.flight.instruments:
             shown = (state for state in one.states if state in STATES)
             states = {state: (one.holds(state), rgb(STATES[state])) for state in shown}
-            self._switched(lane_of(one.kind, one.name), states)
+            self._switched(lane_of(one.kind, one.name), self.t, states)
 
-    def _switched(
-        self,
-        name: str,
-        when: Mapping[str, tuple[np.ndarray, RGB]],
-        t: np.ndarray | None = None,
-        labels: Mapping[str, str] = MappingProxyType({}),
-    ) -> None:
-        """Write a lane of the states in ``when``, each with its rows (bool) at times ``t`` (s) and colour;
-        off elsewhere.  ``labels``: of the states that do not show their names.
-        """
-        t = self.t if t is None else t
+    def _switched(self, name: str, t: np.ndarray, when: Mapping[str, tuple[np.ndarray, RGB]]) -> None:
+        """Write a lane of the states in ``when``, each with its rows (bool) at times ``t`` (s) and colour."""
         states, colours, code = ["off", *when], [OFF], np.zeros(len(t), int)
         for number, (holds, colour) in enumerate(when.values(), 1):
             code[holds] = number
             colours.append(colour)
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
         changes = [(float(t[i]), states[code[i]]) for i in first]
-        look = {"visible": [False] + [True] * len(when), "labels": [labels.get(one, one) for one in states]}
+        look = {"visible": [False] + [True] * len(when), "labels": [_SHORT.get(one, one) for one in states]}
         self._lane(name, Lane(changes, states, colours), **look)
 
     def _lane(self, name: str, lane: Lane, **look: Any) -> None:
@@ -197,11 +189,7 @@ def fitted(
 
 
 def forms(value: str) -> list[str]:
-    """Return a state's name, the first word of it, and its initials.
-
-    >>> forms("hazard_avoidance")
-    ['hazard avoidance', 'hazard', 'HA']
-    """
+    """Return a state's name, the first word of it, and its initials."""
     words = value.split("_") if "_" in value else value.split()
     return [" ".join(words), words[0], "".join(word[0] for word in words).upper()]
 

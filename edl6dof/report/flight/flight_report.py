@@ -69,7 +69,7 @@ def flight_report(run: Run) -> Report:
         ("chute", "Parachute", over_flight(run, STACKS["chute"])),
         ("landing", "Powered descent", landing.powered_descent(run)),
         ("hazards", "Hazards and the chosen spot", landing.hazard_maps(run)),
-        ("site", "Ground track and landing site", landing.site_figures(run)),
+        ("site", "Landing site", landing.site_figures(run)),
         ("configuration", "Configuration", configuration(run)),
         ("software", "Software and data", [software(run)]),
     )

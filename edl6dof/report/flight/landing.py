@@ -1,4 +1,4 @@
-"""The landing: powered descent, ground track and landing site; and the map of hazards from hover with the
+"""The landing: powered descent and landing site; and the map of hazards from hover with the
 chosen and the rejected spots, after the choice on the landing image.
 """
 
@@ -39,20 +39,9 @@ def powered_descent(run: Run) -> Iterator[Figure]:
 
 
 def site_figures(run: Run) -> Iterator[Figure]:
-    """Draw ground track and landing site."""
-    yield ground_track(run)
+    """Draw the landing site of a flight that came down on a parachute and left it."""
     if "mortar" in run.when and "backshell" in run.when:
         yield landing_site(run)
-
-
-def ground_track(run: Run) -> Figure:
-    """Draw the whole path east and north of the landing site; the axes have different scales."""
-    traces = [track(run, slice(None), 1e3), target(run), events_on_map(run, {"mortar": "parachute"})]
-    caption = "Axes have different scales."
-    if run.summary["figures"].get("bank_reversals"):
-        caption += " Bank reversals keep the track inside the corridor of crossrange."
-    panel = site_panel(traces, unit="km", equal=False)
-    return Figure("ground_track", "Ground track", [panel], caption, height=420)
 
 
 def landing_site(run: Run) -> Figure:
