@@ -23,6 +23,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.functions import (
+    assure,
     calibrate,
     campaign,
     faults,
@@ -58,6 +59,7 @@ __all__ = [
     "Simulation",
     "State",
     "Vehicle",
+    "assure",
     "calibrate",
     "campaign",
     "faults",

@@ -1,7 +1,7 @@
 """Speed and memory of edl6dof, and its speed beside JSBSim and Basilisk.
 
     python tools/bench.py                                    # everything, some minutes, the first compiling
-    python tools/bench.py --only loop --profile --in-place   # quick, with the repository's own cache
+    python tools/bench.py --only loop --in-place             # quick, with the repository's own cache
     python tools/bench.py --json bench.json                  # all samples, and the machine
 
 The sections (``--only`` chooses):
@@ -12,7 +12,8 @@ processes   whole processes as a user starts them, not pinned: ``edl6dof fly tia
             empty) and later edits of the sources disturb nothing.
 loop        the nominal flight in this process, pinned to one core: the compiled loop alone, in turn with that
             of the landing among rocks; ``edl6dof.fly`` (records + loop), and ``edl6dof.load`` (reading and
-            validating the files).
+            validating the files).  Then where the time of a cycle goes: by mission phase, and by the
+            difference of flights with and without a part.
 peers       JSBSim's and Basilisk's nearest case and ours in turn (ABAB...), pinned to one core; ratios are
             formed pair by pair.  The peers come with ``pip install "edl6dof[bench]"``; a missing one is
             reported and left out.
@@ -49,9 +50,10 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bench_boxes import measure_boxes
 from bench_precision import draw_precision, measure_precision
 from bench_processes import ROOT, SCENARIO, Lap, measure_processes, snapshot
-from bench_tables import show_comparison, show_laps, show_phases, show_precision
+from bench_tables import show_boxes, show_comparison, show_laps, show_phases, show_precision
 from rich.console import Console
 
 SECTIONS = ("processes", "loop", "peers", "precision")
@@ -245,9 +247,10 @@ def bench(console: Console, options: argparse.Namespace, tree: Path) -> dict[str
     if "loop" in options.only:
         results["loop"] = measure_loop(options.repeats)
         show_laps(console, f"The nominal flight, in process, core {options.core}", results["loop"])
-    if options.profile:
         results["phases"] = measure_phases(options.repeats)
         show_phases(console, results["phases"])
+        results["boxes"] = measure_boxes(SCENARIO, options.repeats)
+        show_boxes(console, results["boxes"])
     if "peers" in options.only:
         results["peers"] = {}
         for name in PEERS:
@@ -288,7 +291,6 @@ def main() -> None:
         metavar="K",
         help="core to pin to (the last)",
     )
-    parser.add_argument("--profile", action="store_true", help="cost of a step in each mission phase")
     parser.add_argument(
         "--in-place",
         action="store_true",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import statistics
 from typing import Any
 
+from bench_boxes import Box
 from bench_precision import LEVELS_M, WHOLE_STEP_S, Precision, speed_at
 from bench_processes import Lap
 from rich.console import Console
@@ -87,6 +88,16 @@ def show_phases(console: Console, phases: list[dict[str, Any]]) -> None:
         table.add_row(
             row["phase"], f"{row['flown_s']:.1f}", spread(row["ns_per_step"], 0), f"{row['share']:.0%}"
         )
+    console.print(table)
+
+
+def show_boxes(console: Console, boxes: list[Box]) -> None:
+    """Nanoseconds a cycle of flights with and without parts of the loop."""
+    table = Table(title="Where the time of a cycle goes", title_justify="left")
+    for name in ("", "ns/cycle, CPU: median (min .. max)", "telemetry"):
+        table.add_column(name, justify="right" if name else "left")
+    for box in boxes:
+        table.add_row(box.name, spread(box.logged, 0), f"{box.medians[1]:,.0f}")
     console.print(table)
 
 

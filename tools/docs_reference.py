@@ -202,8 +202,9 @@ def commands(group: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _command(name: str, command: Any) -> str:
-    arguments = " ".join(_metavar(p) for p in command.params if p.param_type_name == "argument")
-    body = [_option(p) for p in command.params]
+    shown_params = [p for p in command.params if not getattr(p, "hidden", False)]
+    arguments = " ".join(_metavar(p) for p in shown_params if p.param_type_name == "argument")
+    body = [_option(p) for p in shown_params]
     about = "\n\n".join(" ".join(part.split()) for part in (command.help or "").split("\n\n"))
     shown = [f"## `{name}`", f"    {name} {arguments}".rstrip(), about]
     if body:

@@ -85,7 +85,7 @@ PICTURES = (
     page(
         "flight", "The whole replay: views, readout, plots, phases, events.", "Flight", 296.0, "runs/tianwen1"
     ),
-    page("hazards", "The hazard map that the lander made at the hover.", "Hazards", 508.0, "runs/rocks"),
+    page("hazards", "The hazard map that the lander made in hover.", "Hazards", 508.0, "runs/rocks"),
     page("two_flights", "Two flights in one replay.", "Flight", 480.0, "runs/tianwen1", "runs/heavy"),
     Picture(
         "vehicle",
@@ -117,8 +117,8 @@ PICTURES = (
     figure("footprint", "Landing points of a hundred dispersed flights.", "runs/mc", "footprint"),
     figure(
         "faults",
-        "Two thrusters stuck on at 200 s, all pairs of twelve, with flow meters (an estimate): "
-        "what was isolated, how fast.",
+        "All pairs of twelve thrusters stuck on at 200 s: isolated thrusters and times of isolation "
+        "(flow meters are an estimate).",
         "runs/faults",
         "faults_stuck_on_0",
     ),

@@ -359,6 +359,5 @@ def open_campaign(folder: Path) -> CampaignResult:
         ConfigError: the folder has no campaign, or an incomplete or damaged one.
     """
     store = Store(folder)
-    if store.info and not store.complete:  # reading it says whether there is a campaign
-        raise refusal(folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
+    store.require_complete()
     return CampaignResult(store.summary, store.table(), store.folder)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from edl6dof.api.arguments import library
+from edl6dof.api.arguments import library, naming_arguments
 from edl6dof.api.plots import ColumnsInMemory, Plot, Plots
 from edl6dof.config.errors import refusal
 from edl6dof.metrics.evaluation import Check, Figures
@@ -83,6 +83,7 @@ class FlightResults:
         """Return the meaning of a channel."""
         return self.telemetry.meaning(name)
 
+    @naming_arguments(**{"from": "since_s"})
     def plot(
         self: _Flight,
         *channels: str,
@@ -283,19 +284,24 @@ def channels_figure(
     against: str = "t_s",
     since_s: float | None = None,
     until_s: float | None = None,
+    *,
+    apart: bool = False,
 ) -> Figure:
-    """Plot the channels that match, as :meth:`FlightResults.plot`; ``place`` names the flight in messages.
+    """Plot the channels that match, as :meth:`FlightResults.plot`, each ``apart`` in its own panel if wished;
+    ``place`` names the flight in messages.
 
     Raises:
         ConfigError: there is no such channel, or no data between these times.
     """
+    if since_s is not None and until_s is not None and since_s > until_s:
+        raise refusal("--from", f"must not be after the last time, {until_s:g} s (got {since_s:g} s)")
     names, (x,) = chosen(columns, patterns, place), chosen(columns, [against], place)
     t = columns["t_s"]
     rows = (t >= (-np.inf if since_s is None else since_s)) & (t <= (np.inf if until_s is None else until_s))
     if not rows.any():
         words = f"has no telemetry between the given times (it runs from {t[0]:g} to {t[-1]:g} s)"
         raise refusal(place, words)
-    return channel_plot(columns, names, x, rows)
+    return channel_plot(columns, names, x, rows, apart)
 
 
 def _html(flight: _Flight) -> str:

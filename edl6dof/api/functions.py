@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
+    from edl6dof.report.campaign.assurance import Assurance
     from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim.checkpoint import State
     from edl6dof.sim.flight import Progress as FlightProgress
@@ -150,6 +151,37 @@ def report(
     folder = _folder_of(run)
     with needing_channels(folder):
         return write_report(folder, None if out is None else Path(out), pdf, png, force)
+
+
+@naming_arguments()
+def assure(
+    campaign: str | Path | CampaignResult,
+    requirements: str | Path | None = None,
+    *,
+    out: str | Path | None = None,
+    force: bool = False,
+) -> Assurance:
+    """Judge a campaign by requirements on the share of flights, as ``edl6dof assure`` does.
+
+    Args:
+        campaign: folder of a complete campaign, or the result of one that has a folder.
+        requirements: file of requirements; by default every limit of the scenario is one.
+        out: page to write, HTML or, if its name ends in ``.pdf``, PDF; by default nothing is written.
+        force: True to replace an existing file.
+
+    Raises:
+        ConfigError: the campaign is incomplete or no random sample, the requirements are wrong, or the file
+            must not be replaced.
+        ValueError: the campaign is in memory only.
+    """
+    from edl6dof.api.reports import write_page
+    from edl6dof.report.campaign.assurance import assess, assurance_report
+
+    folder = _folder_of(campaign)
+    found = assess(folder, None if requirements is None else Path(requirements))
+    if out is not None:
+        write_page(assurance_report(found), Path(out), force, folder)
+    return found
 
 
 @naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})

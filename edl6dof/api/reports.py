@@ -28,16 +28,13 @@ def write_report(folder: Path, out: Path | None, pdf: bool, png: bool, force: bo
 
         pictures = target.with_suffix("")
         writers |= {pictures / f"{one.key}.png": partial(write_figure, one) for one in report.figures()}
-    if pdf:
-        from edl6dof.report.pdf import write_pdf
-
-        writers[target.with_suffix(".pdf")] = partial(write_pdf, report)
     for path, write in writers.items():
         with atomic_file(path, force, folder) as unfinished:
             write(unfinished)
-    if not (pdf or png):
-        write_page(report, target, force, folder)
-    return list(writers) or [target]
+    pages = [target.with_suffix(".pdf")] if pdf else [] if png else [target]
+    for path in pages:
+        write_page(report, path, force, folder)
+    return [*writers, *pages]
 
 
 def report_of(folder: Path) -> Report:
@@ -61,8 +58,13 @@ def report_of(folder: Path) -> Report:
 
 
 def write_page(report: Report, path: Path, force: bool, made_from: Path) -> None:
-    """Write a report as one HTML file, made from the result in a folder."""
-    from edl6dof.report.page import page
-
+    """Write a report made from the result in a folder: as PDF if the path ends so, else as one HTML file."""
     with atomic_file(path, force, made_from) as unfinished:
-        unfinished.write_text(page(report), encoding="utf-8")
+        if path.suffix == ".pdf":
+            from edl6dof.report.pdf import write_pdf
+
+            write_pdf(report, unfinished)
+        else:
+            from edl6dof.report.page import page
+
+            unfinished.write_text(page(report), encoding="utf-8")

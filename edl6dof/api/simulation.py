@@ -173,11 +173,19 @@ class DispersedFlights(Starts):
         return Fleet(count, self.base.parts.tables, self.loaded.scenario.steps_per_cycle, workers)
 
     def at_phase(self, seed: int, role: str, later_s: float = 0.0) -> Start | None:
-        """Return the flight of a seed at the start of its phase with a role, or ``later_s`` (s) after it;
-        ``None`` if it ends before.
+        """Fly a case of the campaign up to a phase, and return its state as the start of a flight of a fleet.
+
+        Args:
+            seed: seed of the case.
+            role: role of the phase, such as ``hover_imaging``; the flight is looked at every few cycles.
+            later_s: time after the start of the phase, s; at least one cycle is flown.
+
+        Returns:
+            the start, or ``None`` if the flight ends before this time.
 
         Raises:
-            ConfigError: the campaign disperses tables of air or ground, which the flights of a fleet share.
+            ConfigError: the campaign disperses tables of air or ground. All flights of a fleet share these
+                tables, so that they must be the same for every seed.
         """
         variant = self.of(seed)
         if variant.parts.tables is not self.base.parts.tables:

@@ -20,11 +20,11 @@ from edl6dof.config.base import REQUIRED, Params, param
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem
-from edl6dof.config.validate import validate
+from edl6dof.config.validate import judged
 from edl6dof.config.wording import counted
 from edl6dof.metrics.published import PublishedPair, published_figures
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import CALIBRATION, load_document
+from edl6dof.scenario.loading import CALIBRATION, judged_scenario
 
 
 class Prior(Params):
@@ -149,8 +149,11 @@ def calibration_of(document: Document, sets: tuple[str, ...] = (), flights: int 
     if flights is not None and isinstance(section, dict):
         section = {**section, "flights": flights}
     own = Document({CALIBRATION: section}, dict(document.marks), files=document.files)
-    params = validate(CalibrationFile, own).calibration
-    loaded = load_document(document, sets)
+    file, problems = judged(CalibrationFile, own)
+    loaded, more = judged_scenario(document, sets)
+    if problems or more:
+        raise ConfigError([*problems, *more])
+    params = file.calibration
     every = published_figures(loaded.scenario.published)
     explainable = {b.figure.name: b for b in every if b.published.explainable}
     words = f"is no flown value with a sigma under published (allowed {', '.join(explainable)})"

@@ -158,15 +158,18 @@ def quantile(values: np.ndarray, share: float, flown: bool = False) -> Quantile 
     return Quantile(share, float(value), float(ordered[low]), float(ordered[high]))
 
 
-@cache
 def _bounding(n: int, share: float) -> tuple[int, int]:
     """Indices (from 0) of the two among ``n`` ordered values that bound a quantile."""
     tail = 0.5 * (1.0 - CONFIDENCE)
-    low, high = (
-        bisect_left(range(n), chance, key=lambda below: bdtr(below, n, share))
-        for chance in (tail, 1.0 - tail)
-    )
-    return low - 1, high
+    return rank_above(n, share, tail) - 1, rank_above(n, share, 1.0 - tail)
+
+
+@cache
+def rank_above(n: int, share: float, confidence: float) -> int:
+    """Index (from 0) of the smallest of ``n`` ordered values that is an upper bound of a quantile with this
+    confidence; ``n`` if there is none.
+    """
+    return bisect_left(range(n), confidence, key=lambda below: bdtr(below, n, share))
 
 
 def flights_needed(share: float) -> int:

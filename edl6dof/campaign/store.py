@@ -39,7 +39,9 @@ _LEFT = re.compile(r"\.(?:(?P<name>.+)\.\d+\.part|\d+\.(?P<other>.+))")
 #: Lock of the process that works in the folder.
 _LOCK = ".lock"
 
-_FILES = re.compile(r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|report\.(?:html|pdf)")
+_FILES = re.compile(
+    r"campaign\.(?:yaml|json)|cases\.parquet|summary\.json|made\.json|(?:report|assurance)\.(?:html|pdf)"
+)
 _FOLDERS = {"parts": NAMES, "report": re.compile(r".+\.png")}
 
 
@@ -157,6 +159,11 @@ class Store:
     def complete(self) -> bool:
         """True if all rows are in one table."""
         return os.path.lexists(self._summary)
+
+    def require_complete(self) -> None:
+        """Refuse a folder without a campaign, or with an incomplete one."""
+        if self.info and not self.complete:  # reading it checks that there is a campaign
+            raise refusal(self.folder, "is not complete; go on with edl6dof campaign FOLDER --resume")
 
     @property
     def summary(self) -> Summary:

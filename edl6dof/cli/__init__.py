@@ -11,7 +11,7 @@ from edl6dof.cli.campaigns import campaign, covariance, faults, refly
 from edl6dof.cli.designs import design, new
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app, examples
-from edl6dof.cli.run_outputs import compare, export, plot, replay, report
+from edl6dof.cli.run_outputs import assure, compare, export, plot, replay, report
 from edl6dof.cli.scenarios import (
     cache,
     check,
@@ -28,7 +28,7 @@ from edl6dof.cli.scenarios import (
 #: By the title of their part of the help.
 COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {
     "Fly": (fly, campaign, refly, faults, covariance),
-    "Look at results": (report, replay, plot, compare, export),
+    "Look at results": (report, assure, replay, plot, compare, export),
     "Scenarios": (scenarios, show, check, params, schema, trust),
     "Compare with references and papers": (verify, validate, figures, calibrate, study),
     "Other": (serve, cache, version),

@@ -116,8 +116,9 @@ def show(store: Store, quiet: bool, as_json: bool) -> None:
         print(f"stopped after {counts}: the interval is narrow enough")
     if summary.flown_in_this_run:
         print(f"{summary.flights_per_second:.1f} flights per second on {summary.engine}")
+    judged = f"edl6dof assure {store.folder}, " if results.is_sample else ""
     again = f"edl6dof refly {store.folder} CASE (or --worst FIGURE)"
-    print(f"next: edl6dof report {store.folder}, {again}")
+    print(f"next: edl6dof report {store.folder}, {judged}{again}")
 
 
 def limits_table(results: Results) -> Table:

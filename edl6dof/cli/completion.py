@@ -15,7 +15,12 @@ def scenarios(incomplete: str) -> list[str]:
     """Names of shipped scenarios, and YAML files of the current folder."""
     from edl6dof.config.document.locate import shipped_names
 
-    return _beginning(incomplete, [*shipped_names("scenarios"), *map(str, Path().glob("*.yaml"))])
+    return _beginning(incomplete, [*shipped_names("scenarios"), *yaml_files(incomplete)])
+
+
+def yaml_files(incomplete: str) -> list[str]:
+    """YAML files of the current folder."""
+    return _beginning(incomplete, map(str, Path().glob("*.yaml")))
 
 
 def paths(ctx: typer.Context, incomplete: str) -> list[str]:
@@ -48,6 +53,7 @@ def channels(ctx: typer.Context, incomplete: str) -> list[str]:
 #: What completes an argument or an option, by the word that stands for it in the help.
 COMPLETIONS: dict[str, Callable[..., list[str]]] = {
     "SCENARIO": scenarios,
+    "REQUIREMENTS": yaml_files,
     "PATH": paths,
     "PATH=VALUE": assignments,
     "CHANNEL": channels,

@@ -86,13 +86,17 @@ def new_campaign(
 ) -> None:
     """Write a campaign that disperses a scenario.
 
-    Entry state, masses, aerodynamics, air and thrust vary.
+    Entry state, masses, aerodynamics, air and thrust vary. The file is SCENARIO_mc.yaml, or
+    my_SCENARIO_mc.yaml where the package has a scenario of the first name.
     """
     activate(scenario)
+    from edl6dof.config.document.locate import find_shipped
     from edl6dof.scenario.loading import load_scenario
 
     loaded = load_scenario(scenario).scenario
     name = f"{Path(scenario).stem}_mc"
+    if find_shipped("scenarios", name):
+        name = f"my_{name}"
     lines = "\n".join(f"    {path}: {{kind: normal, {spread}}}" for path, spread in dispersions(loaded))
     title = loaded.description or loaded.name
     values = {"name": name, "scenario": scenario, "title": title, "dispersions": lines}
@@ -199,7 +203,7 @@ def _class(name: str) -> str:
 
 def _write(files: Mapping[Path, str], force: bool) -> None:
     """Write files of the current folder, all of them or none."""
-    from edl6dof.config.document.locate import why_no_folder
+    from edl6dof.config.document.locate import find_shipped, why_no_folder
     from edl6dof.runs.files import atomic_file, refuse_existing_file
 
     for path in files:
@@ -207,6 +211,8 @@ def _write(files: Mapping[Path, str], force: bool) -> None:
             raise refusal(path, "names a folder; give a name only")
         if (why := why_no_folder(path.stem)) is not None:
             raise refusal(path.stem, why)
+        if find_shipped("scenarios", path.stem):
+            raise refusal(path.stem, "is the name of a shipped scenario, which the file would hide")
         refuse_existing_file(path, force)
     for path, text in files.items():
         with atomic_file(path, force) as partial:

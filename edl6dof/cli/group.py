@@ -81,6 +81,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof replay runs/tianwen1 --tour --video flight.mp4",
     ),
     "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
+    "assure": (
+        "edl6dof assure runs/tianwen1_mc",
+        "edl6dof assure runs/tianwen1_mc requirements.yaml --out board.pdf",
+    ),
     "plot": (
         "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
         "edl6dof plot runs/tianwen1 runs/heavy truth.mach",
@@ -124,7 +128,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     ),
     "new law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
     "new controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
-    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign tianwen1_mc.yaml -n 100"),
+    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign my_tianwen1_mc.yaml -n 100"),
     "design entry": (
         "edl6dof design entry msl --out plan.yaml",
         "edl6dof design entry msl --minimise dispersion",
@@ -163,7 +167,11 @@ class Command(TyperCommand):
                     formatter.write_dl(rows)
 
     def _arguments(self) -> list[Any]:
-        return [one for one in self.params if one.param_type_name == "argument"]
+        return [
+            one
+            for one in self.params
+            if one.param_type_name == "argument" and not getattr(one, "hidden", False)
+        ]
 
 
 _RANGE = re.compile(r"(?:(?P<low>[\d.]+)<=)?x(?:(?P<sign>[<>])=(?P<bound>[\d.]+))(?=[];])")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from textwrap import fill
@@ -14,16 +15,18 @@ from rich.console import Console
 from rich.text import Text
 
 from edl6dof.api.functions import load
-from edl6dof.calibration.problem import calibration_of
+from edl6dof.calibration.problem import CalibrationFile, calibration_of
 from edl6dof.campaign.design.plan import plan_of
+from edl6dof.campaign.design.sections import CampaignFile
 from edl6dof.cli.group import BAD_INPUT, NOT_WITHIN_LIMITS
 from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
 from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.parameter_table import Value, rows, values
 from edl6dof.config.plugin_files import accept, accepted_file, is_accepted
+from edl6dof.config.validate import validate
 from edl6dof.plugins import named_by, plugin_content, source_text
-from edl6dof.report.parameters import print_values, selected, short
+from edl6dof.report.parameters import print_values, select, selected, short
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
@@ -72,7 +75,8 @@ def list_scenarios() -> None:
 
 def show_params(path: str, as_json: bool) -> None:
     """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
-    table = [Value(row, row.default, row.path, "") for row in rows(Scenario)]
+    models = (Scenario, CampaignFile, CalibrationFile)
+    table = [Value(row, row.default, row.path, "") for model in models for row in rows(model)]
     found = selected(table, path, "edl6dof params")
     if as_json:
         print(json.dumps([one.row._asdict() for one in found], indent=1))
@@ -82,7 +86,11 @@ def show_params(path: str, as_json: bool) -> None:
 
 def show_values(name: str, path: str, sets: Sequence[str], as_json: bool) -> None:
     """Print the values of a scenario from ``path`` downwards, or whose path contains it."""
-    found = selected(_values(name, sets), path, f"edl6dof show {name}")
+    table = [*_values(name, sets), *_values_of_many_flights(name)]
+    if path in CAMPAIGN_SECTIONS and not select(table, path):
+        words = f"{name} has no such section; edl6dof new campaign {name} writes a campaign"
+        raise refusal(path, words)
+    found = selected(table, path, f"edl6dof show {name}")
     if as_json:
         print(json.dumps([{**one.row._asdict(), **_given(one)} for one in found], indent=1))
     else:
@@ -151,6 +159,16 @@ def _plain(state: Configuration) -> dict[str, object]:
 def _values(name: str, sets: Sequence[str]) -> list[Value]:
     loaded = _loaded(name, tuple(sets))
     return list(values(loaded.scenario, loaded.document))
+
+
+def _values_of_many_flights(name: str) -> Iterator[Value]:
+    """Values of the sections of a scenario that a single flight does not read."""
+    whole = read_document(resolve_scenario(name))
+    for model in (CampaignFile, CalibrationFile):
+        given = {key: whole.data[key] for key in model.model_fields if whole.data.get(key) is not None}
+        if given:
+            found = values(validate(model, replace(whole, data=given)), whole)
+            yield from (one for one in found if one.row.path not in model.model_fields)
 
 
 def _given(value: Value) -> dict[str, str]:

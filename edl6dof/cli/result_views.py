@@ -11,7 +11,6 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table as RichTable
 
 from edl6dof.api.flight import channels_figure
 from edl6dof.api.functions import activate
@@ -37,7 +36,7 @@ from edl6dof.report.flight.overlay import (
     together,
 )
 from edl6dof.report.page import page
-from edl6dof.report.terminal import open_table
+from edl6dof.report.terminal import as_rich, open_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.scenario.loading import load_scenario
@@ -57,8 +56,11 @@ def write_plot(
     """Write a plot of channels of runs in the form that the suffix of ``out`` names; return its path."""
     runs = [Run(folder) for folder in folders]
     channels, names = chosen(runs[0], patterns, folders[0]), labels(*runs)
-    figures = [channels_figure(run, run.folder, channels, against, since, until) for run in runs]
-    figure = together(figures, names) if len(runs) > 1 else figures[0]
+    several = len(runs) > 1
+    figures = [
+        channels_figure(run, run.folder, channels, against, since, until, apart=several) for run in runs
+    ]
+    figure = together(figures, names) if several else figures[0]
     others = "".join(f"-with-{name.replace('/', '-')}" for name in names[1:])
     more = "-and-more" if len(channels) > 1 else ""
     target = out or folders[0] / "plots" / f"{channels[0]}{more}{others}.html"
@@ -124,22 +126,15 @@ def compare_flights(first: Path, second: Path, out: Path | None, force: bool, ev
     refuse_existing_file(target, force, second)
     report = comparison_report(one, two)
     console = Console(highlight=False, soft_wrap=True)
-    console.print(_printed(outcomes(one, two)))
+    console.print(as_rich(outcomes(one, two)))
     if everything:
-        console.print(_printed(replace(figures_table(one, two), caption="Figures")))
-        console.print(_printed(replace(events_table(one, two), caption="Events")))
+        console.print(as_rich(replace(figures_table(one, two), caption="Figures")))
+        console.print(as_rich(replace(events_table(one, two), caption="Events")))
     else:
         _show_clear_differences(console, one, two)
     _show_scenarios(console, differences_table(one, two), everything)
     write_page(report, target, force, second)
     print(str(target))
-
-
-def _printed(table: Table) -> RichTable:
-    printed = open_table(table.caption, *table.columns)
-    for row in table.rows:
-        printed.add_row(*(escape(as_cell(item).text) for item in row))
-    return printed
 
 
 def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
@@ -158,7 +153,7 @@ def _show_clear_differences(console: Console, one: Run, two: Run) -> None:
     table = figures_table(one, two, shown)
     rows = [[*row, f"+-{significant(clear[name], 2)}"] for name, row in zip(shown, table.rows, strict=True)]
     title = "Largest differences beyond the variation from flight to flight"
-    console.print(_printed(Table([*table.columns, "variation>"], rows, title)))
+    console.print(as_rich(Table([*table.columns, "variation>"], rows, title)))
     count = f"{len(shown)} of {counted(len(clear), 'figure')} that differ clearly"
     console.print(f"{count}; --all shows every figure and event", style="dim", end="\n\n")
 

@@ -11,7 +11,15 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.group import UNAVAILABLE, argument, flag, option, refusing_damage
+from edl6dof.cli.group import (
+    NOT_WITHIN_LIMITS,
+    UNAVAILABLE,
+    argument,
+    check_target,
+    flag,
+    option,
+    refusing_damage,
+)
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
@@ -103,6 +111,43 @@ def report(
             print(path)
 
 
+def assure(
+    folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
+    requirements: Annotated[
+        Path | None,
+        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
+    ] = None,
+    out: Annotated[
+        Path | None, option("FILE", "Page to write: .html or .pdf; FOLDER/assurance.html if not given.")
+    ] = None,
+    force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
+    as_json: Annotated[bool, flag("Print JSON; write a page only to --out.", "--json")] = False,
+) -> int:
+    """Judge a campaign by requirements on the share of flights.
+
+    Each requirement is verified, violated or undecided, the latter with the number of flights that would
+    verify it. The page for a review board contains the verdicts, the worst cases and the evidence for the
+    credibility of the results.
+
+    Exit status: 0 all verified, 1 not, 2 bad input.
+    """
+    check_target(out, (".html", ".pdf"), force=True)
+    target = out or (None if as_json else folder / "assurance.html")
+    with refusing_damage(folder):
+        found = functions.assure(folder, requirements, out=target, force=force)
+        if as_json:
+            from edl6dof.config.dump import json_text
+
+            print(json_text(found.data), end="")
+        else:
+            from edl6dof.report.campaign.assurance import assurance_report
+            from edl6dof.report.terminal import show_report
+
+            show_report(assurance_report(found))
+            print(f"\n{target}")
+    return 0 if found.verified else NOT_WITHIN_LIMITS
+
+
 def plot(
     run: Annotated[Path, argument("RUN", "Run folder.")],
     words: Annotated[
@@ -142,6 +187,7 @@ def _is_folder(word: str) -> bool:
 def compare(
     first: Annotated[Path, argument("RUN1", "Run folder, or that of a campaign.")],
     second: Annotated[Path, argument("RUN2", "Another of the same kind.")],
+    more: Annotated[list[Path] | None, typer.Argument(hidden=True)] = None,
     out: Annotated[
         Path | None, option("FILE", "Page of two flights; RUN2/compared-with-RUN1.html if not given.")
     ] = None,
@@ -158,6 +204,10 @@ def compare(
     every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
     success, and every figure with a significant difference.
     """
+    if more:
+        folders = " ".join(map(str, (first, second, *more)))
+        words = f"two are compared; to draw the curves of all: edl6dof plot {folders} CHANNEL"
+        raise refusal("edl6dof compare", words)
     with suppress(ConfigError):  # plugins of the first flight, whose neighbours are flown
         functions.activate(first / "scenario.yaml")
     from edl6dof.cli.result_views import compare_campaigns, compare_flights

@@ -4,7 +4,7 @@ value.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple, get_args, get_origin
 
 from pydantic import BaseModel
@@ -15,6 +15,7 @@ from edl6dof.config.base import extra_of
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.yamltree import dotted, write_flow
 from edl6dof.config.dump import declared
+from edl6dof.config.errors import nearest
 from edl6dof.config.model_paths import Slot, field_slot, is_model, leaves, type_slot, usual_range
 from edl6dof.config.units import split_unit
 from edl6dof.config.wording import in_bounds, in_length, kinds
@@ -52,6 +53,16 @@ def rows(model: type[BaseModel], prefix: str = "") -> list[Row]:
         for sub_path, sub_model in inner:
             table += rows(sub_model, sub_path)
     return list(dict.fromkeys(table))
+
+
+def nearest_path(path: str, known: Iterable[str]) -> str | None:
+    """The known dotted path that was probably meant: one that is similar, or that has a similar end."""
+    length = path.count(".") + 1
+    ends: dict[str, str] = {}
+    for one in known:
+        ends.setdefault(".".join(one.split(".")[-length:]), one)
+    near = nearest(path, ends)
+    return ends[near] if near is not None else nearest(path, ends.values())
 
 
 class Value(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
@@ -14,6 +14,7 @@ from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
 from edl6dof.config.errors import ConfigError, Inconsistent, Problem, did_you_mean
 from edl6dof.config.model_paths import Slot, is_tag_of, literal_names, root_slot
+from edl6dof.config.refused import partial_model, steps
 from edl6dof.config.wording import expected, got, in_bounds, in_length, unknown_key
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -30,26 +31,46 @@ def validate(model: type[Model], document: Document) -> Model:
     Raises:
         ConfigError: every problem of every value.
     """
+    made, problems = judged(model, document)
+    if problems:
+        raise ConfigError(problems)
+    return made
+
+
+def judged(model: type[Model], document: Document) -> tuple[Model, list[Problem]]:
+    """Make a ``model`` instance from a document, and list the problems of its values.
+
+    If there are problems, the instance is only for further checks (:mod:`edl6dof.config.refused`).
+    """
+    found: dict[tuple, Problem] = {}
+    wrong: set[tuple] = set()
     try:
         # JSON mode is pydantic's strict mode for text formats: a list for a tuple, never text for a number
-        return model.model_validate_json(json.dumps(document.data, allow_nan=False))
+        made = model.model_validate_json(json.dumps(document.data, allow_nan=False))
+        if not document.refused:
+            return made, []
     except ValidationError as error:
-        found = error.errors(include_url=False)
-    raise ConfigError(_problems(model, document, found)) from None
+        found, wrong = _problems(model, document, error.errors(include_url=False))
+    made, more = partial_model(model, document.data, {*wrong, *document.refused})
+    found = {path: document.problem(path, message) for path, message in more.items()} | found
+    unread = document.refused.values()
+    return made, [
+        *(problem for problems in unread for problem in problems),
+        *(problem for path, problem in found.items() if not _within(path, document.refused)),
+    ]
 
 
-def refuse(document: Document, problems: Mapping[str, str]) -> None:
-    """Refuse a document that has problems, given by dotted path.
-
-    Raises:
-        ConfigError: there are problems.
-    """
-    if problems:
-        raise ConfigError(document.problem(steps(path), message) for path, message in problems.items())
+def _within(path: tuple, others: Iterable[tuple]) -> bool:
+    return any(path[: len(other)] == other for other in others)
 
 
-def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> list[Problem]:
+def _problems(
+    model: type[BaseModel], document: Document, errors: list[Any]
+) -> tuple[dict[tuple, Problem], set[tuple]]:
+    """Problems by path, and the paths of the values that are refused."""
+    lacking: dict[tuple, list[str]] = {}  # keys that a new item of a list lacks
     problems: dict[tuple, Problem] = {}
+    wrong: set[tuple] = set()
     refused: set[tuple] = set()  # values that one alternative of a union refused as a whole
     for error in errors:
         path, slot, parent = _follow(model, document.data, error["loc"], error["type"])
@@ -61,18 +82,30 @@ def _problems(model: type[BaseModel], document: Document, errors: list[Any]) -> 
             path, value = (*path, tag), value[tag]
         if error["loc"] and error["type"] != "missing" and (not path or path[-1] != error["loc"][-1]):
             refused.add(path)
+        wrong.add(path)
         if isinstance(cause := error.get("ctx", {}).get("error"), Inconsistent):
             for below, message in cause.problems.items():
                 inner = (*path, *steps(below))
                 problems.setdefault(inner, document.problem(inner, message))
             continue
+        if error["type"] == "missing" and path[:-1] in document.similar:
+            lacking.setdefault(path[:-1], []).append(str(path[-1]))
+            continue
         # Each alternative of a union reports on its own; the first report already names all alternatives.
         problems.setdefault(path, document.problem(path, _message(error, path, slot, parent, value)))
+    for path, keys in lacking.items():
+        words = f"{new_entry(document.similar[path])} (a new one also needs {', '.join(keys)})"
+        problems[*path, "name"] = document.problem((*path, "name"), words)
     # Where another alternative got further inside, only what it found there is of use.
     outer = {
         path for path in refused if any(path == other[: len(path)] and path != other for other in problems)
     }
-    return [problem for path, problem in problems.items() if path not in outer]
+    return {path: problem for path, problem in problems.items() if path not in outer}, wrong
+
+
+def new_entry(near: str) -> str:
+    """Question whether an item that was added to a list was meant to change the one named ``near``."""
+    return f"is a new entry; did you mean {near!r}?"
 
 
 def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[tuple, Slot, Slot | None]:
@@ -96,11 +129,6 @@ def _follow(model: type[BaseModel], data: Any, loc: tuple, kind: str) -> tuple[t
         data = data[key] if _holds(data, key) else None
         slot, parent = slot.child(key) or Slot(str(key), ()), slot
     return tuple(path), slot, parent
-
-
-def steps(dotted_path: str) -> tuple[str | int, ...]:
-    """Keys and list indices of a dotted path."""
-    return tuple(int(part) if part.isdecimal() else part for part in dotted_path.split(".") if part)
 
 
 def _holds(data: Any, key: Any) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Literal, get_args, get_origin
 
-from edl6dof.config.errors import did_you_mean
+from edl6dof.config.errors import did_you_mean, nearest
 from edl6dof.config.model_paths import Slot, bounds, is_model, own_bounds
 from edl6dof.config.units import split_unit
 
@@ -27,10 +27,21 @@ def counted(number: int, word: str) -> str:
 def unknown_key(key: str, inside: Slot | None) -> str:
     """Message for a key that does not exist ``inside`` a place, with the key that was probably meant."""
     allowed = inside.keys if inside is not None else []
-    same = [item for item in allowed if item != key and split_unit(item)[0] == split_unit(key)[0]]
-    if same:
-        return f"unknown key; did you mean {same[0]!r}? (only the unit suffix differs)"
-    return "unknown key" + did_you_mean(key, allowed, f"; allowed: {', '.join(allowed) or 'none'}")
+    meant = meant_key(key, allowed)
+    if meant is None:
+        return f"unknown key; allowed: {', '.join(allowed) or 'none'}"
+    differs = " (only the unit suffix differs)" if _quantity(meant) == _quantity(key) else ""
+    return f"unknown key; did you mean {meant!r}?{differs}"
+
+
+def meant_key(key: str, allowed: Iterable[str]) -> str | None:
+    """The allowed key that an unknown key was probably meant to be: with another unit, or similar."""
+    same = (item for item in allowed if item != key and _quantity(item) == _quantity(key))
+    return next(same, None) or nearest(key, allowed)
+
+
+def _quantity(key: str) -> str:
+    return split_unit(key)[0]
 
 
 def got(value: Any) -> str:

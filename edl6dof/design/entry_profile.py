@@ -77,7 +77,9 @@ def own_points(record: np.void, lowest: float, highest: float) -> list[tuple[flo
 def figures(
     onboard: np.ndarray, start: Start, points: Sequence[tuple[float, float]], shift: float = 0.0
 ) -> Plan:
-    """Fly a profile as the plan is flown, and once with each error: density, lift-to-drag, entry angle."""
+    """Integrate a bank profile without errors and once with each error (density, lift-to-drag ratio, entry
+    angle); return the figures of the plan.  ``shift``: change of the cosine of the bank angle.
+    """
     own = with_points(onboard, points)
     rows = fly_shifted(own[0], start, shift)
     end = rows[-1]

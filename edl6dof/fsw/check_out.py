@@ -51,9 +51,10 @@ CHECK_OUT_MEMORY = record(
 
 def check_out_problems(params: CheckOutParams, thrusters: Sequence[str]) -> dict[str, str]:
     """Return a message for each named thruster that does not exist, by its dotted key."""
-    known = ", ".join(thrusters) or "none"
     return {
-        f"flight_software.check_out.thrusters.{index}": f"no thruster named {name!r}; names: {known}"
+        f"flight_software.check_out.thrusters.{index}": (
+            f"no thruster named {name!r}; names: {', '.join(thrusters) or 'none'}"
+        )
         for index, name in enumerate(params.thrusters)
         if name not in thrusters
     }

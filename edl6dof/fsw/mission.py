@@ -160,9 +160,10 @@ class Phase(Params):
         """All transitions in the order in which they are tried."""
         if self.until is None:
             return self.transitions
-        values = self.until.model_dump()
-        window = {name: values.pop(name) for name in ("earliest_s", "latest_s")}
-        return [*self.transitions, Transition(when=[Condition(**values)], **window)]
+        until = self.until
+        when = Condition.model_construct(**{name: getattr(until, name) for name in Condition.model_fields})
+        way = Transition.model_construct(when=[when], earliest_s=until.earliest_s, latest_s=until.latest_s)
+        return [*self.transitions, way]
 
 
 class MissionParams(Params):

@@ -22,15 +22,24 @@ BOUND = 10.0
 
 @dataclass(frozen=True)
 class Feature:
-    """Numbers of an observation: name, scale they are divided by, and their source in the memories of the
-    flight computers (``FSW``, shape (flights,)): a dotted path, or a function that returns them, (flights,)
-    or (flights, n).
+    """Numbers of an observation: name, scale they are divided by and its unit, and their source in the
+    memories of the flight computers (``FSW``, shape (flights,)): a dotted path, or a function that returns
+    them, (flights,) or (flights, n).
     """
 
     name: str
     scale: float
+    unit: str
     source: str | Callable[[np.ndarray], np.ndarray] = field(repr=False)
     size: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.name} / {self.scale_and_unit}" + (f", {self.size} numbers" if self.size > 1 else "")
+
+    @property
+    def scale_and_unit(self) -> str:
+        """The scale in words, such as ``60 m/s2``."""
+        return f"{self.scale:g} {self.unit}".rstrip()
 
     def read(self, memories: np.ndarray) -> np.ndarray:
         """Return the numbers in their scale, shape (flights, size)."""
@@ -68,6 +77,12 @@ class Task(ABC):
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         self.loaded, self.fleet = loaded, fleet
         self.roles = np.array(loaded.scenario.phase_roles)
+
+    def __str__(self) -> str:
+        """Observation with scales and units, action and reward."""
+        seen = "".join(f"\n  {feature}" for feature in self.features)
+        about = " ".join((self.__doc__ or "").split())
+        return f"{self.title}\nobservation:{seen}\n{about}"
 
     @property
     def observation_space(self) -> spaces.Space:

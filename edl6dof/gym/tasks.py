@@ -36,16 +36,16 @@ class EntryBank(Task):
     role = LIFT
     interval_s, longest_s = 1.0, 300.0
     features = (
-        Feature("altitude", 50e3, "nav.altitude"),
-        Feature("speed", 5000.0, "nav.speed"),
-        Feature("flight_path_angle", 0.3, "nav.flight_path_angle"),
-        Feature("drag", 60.0, "nav.drag"),
-        Feature("bank", pi, "nav.bank"),
-        Feature("range_to_go", 300e3, "guide.range_to_go"),
-        Feature("crossrange", 20e3, "guide.crossrange"),
-        Feature("downrange_to_go", 300e3, "guide.downrange_to_go"),
-        Feature("drag_ratio", 2.0, "guide.drag_ratio"),
-        Feature("lift_ratio", 2.0, "guide.lift_ratio"),
+        Feature("altitude", 50e3, "m", "nav.altitude"),
+        Feature("speed", 5000.0, "m/s", "nav.speed"),
+        Feature("flight_path_angle", 0.3, "rad", "nav.flight_path_angle"),
+        Feature("drag", 60.0, "m/s2", "nav.drag"),
+        Feature("bank", pi, "rad", "nav.bank"),
+        Feature("range_to_go", 300e3, "m", "guide.range_to_go"),
+        Feature("crossrange", 20e3, "m", "guide.crossrange"),
+        Feature("downrange_to_go", 300e3, "m", "guide.downrange_to_go"),
+        Feature("drag_ratio", 2.0, "", "guide.drag_ratio"),
+        Feature("lift_ratio", 2.0, "", "guide.lift_ratio"),
     )
 
     @property
@@ -107,14 +107,14 @@ class PoweredDescent(Task):
     role, later_s = POWERED_DECELERATION, 0.6
     interval_s, longest_s = 0.2, 180.0
     features = (
-        Feature("height", 1000.0, "nav.height"),
-        Feature("height near the ground", 20.0, "nav.height"),
-        Feature("v_N", 50.0, "nav.v_N", 3),
-        Feature("v_N near rest", 2.0, "nav.v_N", 3),
-        Feature("thrust_axis", 1.0, thrust_axis, 3),
-        Feature("rates", 0.3, "nav.w_B", 3),
-        Feature("mass", 1000.0, "vehicle.mass"),
-        Feature("thrust", 7500.0, "guide.thrust"),
+        Feature("height", 1000.0, "m", "nav.height"),
+        Feature("height near the ground", 20.0, "m", "nav.height"),
+        Feature("v_N", 50.0, "m/s", "nav.v_N", 3),
+        Feature("v_N near rest", 2.0, "m/s", "nav.v_N", 3),
+        Feature("thrust_axis", 1.0, "", thrust_axis, 3),
+        Feature("rates", 0.3, "rad/s", "nav.w_B", 3),
+        Feature("mass", 1000.0, "kg", "vehicle.mass"),
+        Feature("thrust", 7500.0, "N", "guide.thrust"),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
@@ -190,10 +190,16 @@ class HazardDivert(Task):
     role = HAZARD_AVOIDANCE
     interval_s, longest_s = 1.0, 180.0
     features = (
-        Feature("clearance", _CLEAR_M, clearances, _CELLS * _CELLS),
-        Feature("place", 1.0, lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]), 2),
-        Feature("height", 100.0, "nav.height"),
-        Feature("v_N", 3.0, "nav.v_N", 3),
+        Feature("clearance", _CLEAR_M, "m", clearances, _CELLS * _CELLS),
+        Feature(
+            "place",
+            1.0,
+            "half width of the map",
+            lambda memories: on_map(memories, memories["nav"]["site_L"][:, :2]),
+            2,
+        ),
+        Feature("height", 100.0, "m", "nav.height"),
+        Feature("v_N", 3.0, "m/s", "nav.v_N", 3),
     )
 
     def command(self, actions: np.ndarray) -> None:
@@ -219,9 +225,9 @@ def _one_dead(phase: str, names: Sequence[str]) -> tuple[dict[str, Any], ...]:
 
 
 _ATTITUDE = (
-    Feature("attitude_error", 0.5, "demand.attitude_error", 3),
-    Feature("rates", 0.2, "nav.w_B", 3),
-    Feature("duties", 1.0, lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
+    Feature("attitude_error", 0.5, "rad", "demand.attitude_error", 3),
+    Feature("rates", 0.2, "rad/s", "nav.w_B", 3),
+    Feature("duties", 1.0, "", lambda memories: memories["allocation"]["duty"][:, :_THRUSTERS], _THRUSTERS),
 )
 
 
@@ -248,7 +254,7 @@ class DeadThruster(_ThrusterFault):
     interval_s, longest_s = 0.04, 60.0
     #: s after which it is over; rad and rad/s within which it is done; rad beyond which attitude is lost.
     ends_s, error, rate, lost = 30.0, 0.1, 0.05, 1.0
-    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "disturbance.torque", 3))
+    features = (*_ATTITUDE, Feature("disturbance_torque", 200.0, "N m", "disturbance.torque", 3))
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):
         super().__init__(loaded, fleet)
@@ -294,8 +300,14 @@ class FaultDiagnosis(_ThrusterFault):
     interval_s, longest_s = 0.2, 60.0
     features = (
         *_ATTITUDE,
-        Feature("unexplained", 200.0, lambda memories: memories["disturbance"]["unexplained"][:, 1:], 5),
-        Feature("imu_rates", 0.2, "nav.imu_rate_B", 3),
+        Feature(
+            "unexplained",
+            200.0,
+            "N or N m",
+            lambda memories: memories["disturbance"]["unexplained"][:, 1:],
+            5,
+        ),
+        Feature("imu_rates", 0.2, "rad/s", "nav.imu_rate_B", 3),
     )
 
     def __init__(self, loaded: edl6dof.LoadedScenario, fleet: Fleet):

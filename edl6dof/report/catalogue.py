@@ -330,16 +330,22 @@ def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str
     return list(found)
 
 
-def channel_plot(columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray) -> Figure:
-    """Draw channels over channel ``x``, one panel for each unit; ``rows``: rows to show, bool."""
-    by_unit: dict[str, list[str]] = {}
+def channel_plot(
+    columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray, apart: bool = False
+) -> Figure:
+    """Draw channels over channel ``x``, one panel for each unit, or for each channel if they are ``apart``;
+    ``rows``: rows to show, bool.
+    """
+    panelled: dict[str, list[str]] = {}
     for name in channels:
-        by_unit.setdefault(columns.unit(name), []).append(name)
+        panelled.setdefault(name if apart else columns.unit(name), []).append(name)
     across = Axis(f"{columns.meaning(x)} ({columns.unit(x) or '1'})")
     panels = []
-    for unit, names in by_unit.items():
-        title = columns.meaning(names[0]) if len(names) == 1 else "value"
+    for names in panelled.values():
+        unit, many = columns.unit(names[0]) or "1", apart and len(channels) > 1
+        meaning = columns.meaning(names[0]) if len(names) == 1 and not many else "" if many else "value"
         traces = [Trace(columns[x][rows], columns[name][rows], name) for name in names]
-        panels.append(Panel(across, Axis(f"{title} ({unit or '1'})"), traces))
+        heading = f"{names[0]}: {columns.meaning(names[0])}" if many else ""
+        panels.append(Panel(across, Axis(f"{meaning} ({unit})" if meaning else unit), traces, title=heading))
     title = ", ".join(channels) if len(channels) < 4 else f"{len(channels)} channels"
-    return Figure("plot", title, panels, share_x=True, height=320)
+    return Figure("plot", title, panels, share_x=True, height=320 if len(panels) < 3 else 200)

@@ -84,11 +84,16 @@ def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = Fals
 
 @dataclass(frozen=True)
 class Heat:
-    """A field of cells: ``values`` has shape (len(y), len(x)), NaN is an empty cell; its colour scale runs
-    from ``low`` to ``high``.
+    """A field of coloured cells.
 
     Attributes:
-        colours: colour scale; with an empty title, one colour for each whole number ``low`` to ``high``.
+        x, y: centres of the cells.
+        values: shape (len(y), len(x)); NaN is an empty cell.
+        title: title of the colour scale. Without a title the values are kinds of cells, whole numbers from
+            ``low`` to ``high``.
+        low, high: values at the ends of the colour scale.
+        colours: colours of the scale from ``low`` to ``high``, between which colours are interpolated; of
+            kinds, the colour of each kind.
         labels: text of each cell, shown when a reader points at the cell.
     """
 

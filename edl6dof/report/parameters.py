@@ -8,8 +8,8 @@ from textwrap import wrap
 
 from rich.console import Console
 
-from edl6dof.config.errors import did_you_mean, refusal
-from edl6dof.config.parameter_table import Value
+from edl6dof.config.errors import refusal
+from edl6dof.config.parameter_table import Value, nearest_path
 
 #: Longest value in the table of parameters, longest one on lines of its own, and widest line, in letters.
 SHORT, LONGEST, WIDEST = 15, 400, 100
@@ -32,8 +32,9 @@ def print_values(found: Sequence[Value]) -> None:
 def selected(table: Sequence[Value], path: str, command: str) -> list[Value]:
     """Return the selected values; refuse a path without any, where ``command`` lists all."""
     if (found := select(table, path)) is None:
-        near = did_you_mean(path, known_paths(table))
-        raise refusal(path, f"no such parameter{near} ('{command}' lists all)")
+        near = nearest_path(path.strip(), known_paths(table))
+        hint = f"; did you mean {near!r}?" if near else ""
+        raise refusal(path, f"no such parameter{hint} ('{command}' lists all)")
     return found
 
 

@@ -1,15 +1,16 @@
-"""A report as a PDF: pages of words and tables, then every figure, drawn by lines, two columns to a page."""
+"""A report as a PDF: pages of text and tables, then every figure, drawn by lines, two columns to a page."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.report.document import Report, Table, as_cell
+from edl6dof.report.document import Report, Section, Table, Text, as_cell
 from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import draw, height, own_style
 from edl6dof.report.palette import BAD, GOOD, GREY, INK, WARN
@@ -34,6 +35,8 @@ COLUMN = 76
 LETTERS: Any = {"font.size": 6.0, "lines.markersize": 3.0}
 #: Lines at the head of a table: its caption and the names of its columns.
 _HEAD = 2
+#: Letters in a line of text, and in a line of a cell of a table.
+_LETTERS, _LONGEST_CELL = 130, 60
 _MOODS = {"good": GOOD, "warn": WARN, "bad": BAD, "plain": INK}
 
 
@@ -151,12 +154,7 @@ def _pages(report: Report) -> Iterator[list[Line]]:
     repeated.
     """
     page = list(_summary(report))
-    waiting = [
-        list(_table_lines(block, block.caption or section.title))
-        for section in report.sections
-        for block in section.blocks
-        if isinstance(block, Table)
-    ]
+    waiting = [lines for section in report.sections for lines in _blocks(section)]
     while waiting:
         left = list[list[Line]]()
         for lines in waiting:
@@ -173,7 +171,23 @@ def _pages(report: Report) -> Iterator[list[Line]]:
             yield page[:ROWS_PER_PAGE]
             page = []
         waiting = left
-    yield page + [[Words(0.0, line, colour=GREY)] for line in textwrap.wrap(report.footer, 130)]
+    yield page + [[Words(0.0, line, colour=GREY)] for line in textwrap.wrap(report.footer, _LETTERS)]
+
+
+def _blocks(section: Section) -> list[list[Line]]:
+    """Lines of each table with the paragraphs below it; the section's title is the caption of the first."""
+    found = list[list[Line]]()
+    for block in section.blocks:
+        title = "" if found else section.title
+        if isinstance(block, Table):
+            found.append(list(_table_lines(block, block.caption or title)))
+        elif isinstance(block, Text):
+            words: list[Line] = [[Words(0.0, line)] for line in textwrap.wrap(block.words, _LETTERS)]
+            if found:
+                found[-1] += [[], *words]
+            else:
+                found.append([[Words(0.0, title, 9.0, bold=True)], *words])
+    return found
 
 
 def _summary(report: Report) -> Iterator[Line]:
@@ -193,11 +207,15 @@ def _summary(report: Report) -> Iterator[Line]:
 
 
 def _table_lines(table: Table, caption: str) -> Iterator[Line]:
-    """Caption, names and rows; columns are as wide as their longest text."""
+    """Caption, names and rows; columns are as wide as their longest text, which is wrapped if it is long."""
     yield [Words(0.0, caption, 9.0, bold=True)]
     rows = [[as_cell(item) for item in row] for row in table.rows]
+    texts = [[textwrap.wrap(cell.text, _LONGEST_CELL) or [""] for cell in row] for row in rows]
     heads = [head.rstrip(">") for head in table.columns]
-    widths = [max(len(head), *(len(row[k].text) for row in rows), 0) + 3 for k, head in enumerate(heads)]
+    widths = [
+        max(len(head), *(len(part) for row in texts for part in row[k]), 0) + 3
+        for k, head in enumerate(heads)
+    ]
     total = max(sum(widths), 110)
     starts = np.concatenate([[0], np.cumsum(widths)]) / total
 
@@ -210,5 +228,6 @@ def _table_lines(table: Table, caption: str) -> Iterator[Line]:
         ]
 
     yield line(heads, [GREY] * len(heads))
-    for row in rows:
-        yield line((cell.text for cell in row), (_MOODS[cell.mood] for cell in row))
+    for row, parts in zip(rows, texts, strict=True):
+        for part in zip_longest(*parts, fillvalue=""):
+            yield line(part, (_MOODS[cell.mood] for cell in row))

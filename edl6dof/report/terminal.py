@@ -14,6 +14,9 @@ from rich.text import Text
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.metrics.published import Published, PublishedPair, published_figures
+from edl6dof.report.document import Report, as_cell
+from edl6dof.report.document import Table as ReportTable
+from edl6dof.report.document import Text as Paragraph
 
 if TYPE_CHECKING:
     from edl6dof.scenario.loaded import LoadedScenario
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
 
 #: Most letters in a line of a table.
 _WIDEST = 400
+#: Style of a cell by its mood.
+_STYLES = {"good": "green", "warn": "yellow", "bad": "red", "plain": ""}
 #: Status of a limit or a requirement.
 LIMIT_STATUS = {True: "met", False: "violated"}
 #: Remark below the figures of one flight.
@@ -185,6 +190,30 @@ def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
             vertical="bottom" if narrow else "top",
         )
     return table
+
+
+def as_rich(table: ReportTable) -> Table:
+    """Return a table of a report for the terminal."""
+    printed = open_table(table.caption, *table.columns)
+    for row in table.rows:
+        cells = map(as_cell, row)
+        printed.add_row(*(Text(cell.text, style=_STYLES[cell.mood]) for cell in cells))
+    return printed
+
+
+def show_report(report: Report) -> None:
+    """Print headline, facts, tables and paragraphs of a report."""
+    console = Console(highlight=False)
+    console.print(Text(report.headline, style=f"bold {_STYLES[report.mood]}"))
+    print("; ".join(f"{fact.label}: {fact.value}" for fact in report.facts))
+    print(report.subtitle)
+    for section in report.sections:
+        console.print(Text(f"\n{section.title}", style="bold"))
+        for block in section.blocks:
+            if isinstance(block, ReportTable):
+                print_whole(as_rich(block))
+            elif isinstance(block, Paragraph):
+                print(block.words)
 
 
 def print_whole(table: Table) -> None:

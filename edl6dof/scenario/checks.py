@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import Inconsistent
+from edl6dof.config.refused import Found, NotKnown, findings, judging
 from edl6dof.environment.areoid import areoid_path, require_areoid_of
 from edl6dof.environment.atmosphere import air_inputs
 from edl6dof.environment.atmosphere_table import build_table, profile_path, read_profile
@@ -45,13 +47,10 @@ from edl6dof.vehicle.aerodynamics.capsule_table import (
 from edl6dof.vehicle.faults.fault import fault_problems
 from edl6dof.vehicle.propulsion.engine_models import THRUSTER_SET
 
-#: Dotted path of a value, and its problem.
-Found = tuple[str, str]
-
 
 def section_problems(scenario: Scenario) -> dict[str, str]:
     """Return a message by dotted path for values of different sections that do not fit together."""
-    return {path: message for problems in CROSS_CHECKS for path, message in problems(scenario)}
+    return findings(CROSS_CHECKS, scenario)
 
 
 def _cycle_problems(scenario: Scenario) -> Iterator[Found]:
@@ -233,53 +232,58 @@ _UNREADABLE = (OSError, ValueError, LookupError, ModuleNotFoundError, Arithmetic
 def file_problems(scenario: Scenario) -> dict[str, str]:
     """Dotted path to message of every table that cannot be built."""
     problems: dict[str, str] = {}
-    with _collected(problems, "planet.areoid"):
+    collected = partial(_collected, scenario, problems)
+    with collected("planet.areoid"):
         require_areoid_of(scenario.planet)
-    with _collected(problems, "atmosphere.table"):
+    with collected("atmosphere.table"):
         without_map = scenario.planet.model_copy(update={"areoid": ""})  # its mistakes have their own key
         of_air = air_inputs(scenario.atmosphere, without_map, scenario.place)
         air = build_table(of_air._replace(climate=None))  # the column of a climate is made of the same rows
-        with _collected(problems, "wind.model"):
+        with collected("wind.model"):
             require_winds(scenario.wind, air[0])
-    for name, file in scenario.atmosphere.profiles.items():
-        with _collected(problems, f"{PROFILES}.{name}"):
-            read_profile(file, read_regular(profile_path(file)), scenario.planet.gas.gas_constant_j_kg_k)
-    if scenario.terrain.model == "mola":
-        with _collected(problems, "terrain.model"):
+    with collected(PROFILES):
+        for name, file in scenario.atmosphere.profiles.items():
+            with collected(f"{PROFILES}.{name}"):
+                read_profile(file, read_regular(profile_path(file)), scenario.planet.gas.gas_constant_j_kg_k)
+    with collected("terrain.model"):
+        if scenario.terrain.model == "mola":
             require_topography_of(scenario.planet.mean_radius_m)
-    if scenario.terrain.landing_area.dtm.file:
-        with _collected(problems, "terrain.landing_area.dtm.file"):
+    with collected("terrain.landing_area.dtm.file"):
+        if scenario.terrain.landing_area.dtm.file:
             ground_arrays(ground_inputs(scenario.terrain, scenario.planet)._replace(map=None, hurst=None))
-    with _collected(problems, "planet.gravity.coefficients"):
+    with collected("planet.gravity.coefficients"):
         fill_gravity(np.zeros(1, GRAVITY)[0], scenario.planet.gravity)
-    if scenario.vehicle.aero.model == "capsule":
-        capsule = scenario.vehicle.aero.capsule
-        with _collected(problems, "vehicle.aero.capsule.static_table"):
+    with collected("vehicle.aero.capsule.static_table"):
+        if scenario.vehicle.aero.model == "capsule":
+            capsule = scenario.vehicle.aero.capsule
             inputs = aero_inputs(capsule, scenario.planet.gas.shock_layer_heat_capacity_ratio)
             if capsule.coefficients == "table":
                 read_static_table(capsule.static_table)
-            with _collected(problems, "vehicle.aero.capsule"):
+            with collected("vehicle.aero.capsule"):
                 build_aero_table(inputs)
-    if scenario.vehicle.aero.model == "body":
-        with _collected(problems, "vehicle.aero.body.file"):
+    with collected("vehicle.aero.body.file"):
+        if scenario.vehicle.aero.model == "body":
             ratio = scenario.planet.gas.shock_layer_heat_capacity_ratio
             sheds = scenario.vehicle.showing("capsule") is not None
             build_body_table(body_inputs(scenario.vehicle.aero.body, ratio, sheds))
-    for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
-        with _collected(problems, f"{'.'.join(MESHES)}.{k}.file"):
-            read_mesh_file(Path(mesh.file))
+    with collected("vehicle.appearance"):
+        for k, mesh in enumerate(scenario.vehicle.appearance.meshes):
+            with collected(f"{'.'.join(MESHES)}.{k}.file"):
+                read_mesh_file(Path(mesh.file))
     return problems
 
 
 @contextmanager
-def _collected(problems: dict[str, str], key: str) -> Iterator[None]:
-    try:
-        with np.errstate(all="ignore"):
+def _collected(scenario: Scenario, problems: dict[str, str], key: str) -> Iterator[None]:
+    with np.errstate(all="ignore"), judging(scenario):
+        try:
             yield
-    except Inconsistent as error:
-        problems.update(error.problems)
-    except _UNREADABLE as error:
-        problems[key] = _words(error)
+        except Inconsistent as error:
+            problems.update(error.problems)
+        except _UNREADABLE as error:
+            if isinstance(error.__cause__, NotKnown):
+                raise
+            problems[key] = _words(error)
 
 
 def _words(error: Exception) -> str:

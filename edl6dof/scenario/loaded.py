@@ -34,8 +34,11 @@ class LoadedScenario:
     @cached_property
     def warnings(self) -> list[str]:
         """One line with file, line and key for each value that is allowed but unusual, perhaps by mistake."""
-        from edl6dof.config.validate import steps
+        from edl6dof.config.refused import steps
+        from edl6dof.config.validate import new_entry
         from edl6dof.scenario.unusual import unusual_in
 
-        found = unusual_in(self.scenario) | unusual_in(self.truth)
-        return [str(self.document.problem(steps(path), words)) for path, words in found.items()]
+        found = {(*path, "name"): new_entry(near) for path, near in self.document.similar.items()}
+        unusual = unusual_in(self.scenario) | unusual_in(self.truth)
+        found |= {steps(path): words for path, words in unusual.items()}
+        return [str(self.document.problem(path, words)) for path, words in found.items()]

@@ -17,7 +17,8 @@ from edl6dof.config.document.overrides import apply_overrides, with_values
 from edl6dof.config.document.source import parse_document, read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, literal_names, root_slot
-from edl6dof.config.validate import refuse, validate
+from edl6dof.config.refused import steps
+from edl6dof.config.validate import judged
 from edl6dof.interchange.daveml_vehicle import expand_daveml
 from edl6dof.plugins import require
 from edl6dof.scenario.checks import file_problems, section_problems, with_whole_paths
@@ -56,23 +57,40 @@ def check_document(document: Document) -> LoadedScenario:
     Raises:
         ConfigError: with every problem found.
     """
+    return _sound(*_judged_document(document))
+
+
+def _sound(loaded: LoadedScenario, problems: list[Problem]) -> LoadedScenario:
+    if problems:
+        raise ConfigError(problems)
+    return loaded
+
+
+def _judged_document(document: Document) -> tuple[LoadedScenario, list[Problem]]:
     require(document)
     try_out()
-    scenario = _checked(document)
-    wrong = {path: words for path in scenario.truth if (words := truth_problem(path))}
-    if wrong:
-        raise ConfigError(document.problem(("truth", path), words) for path, words in wrong.items())
-    if not scenario.truth:
-        return LoadedScenario(scenario, scenario, document)
-    true = with_values(document, scenario.truth, Scenario, lambda path: document.mark(("truth", path)))
-    return LoadedScenario(scenario, _checked(true), document)
+    scenario, problems = _judged(document)
+    given = document.data.get("truth")
+    changes = given if isinstance(given, dict) else {}
+    wrong = {path: words for path in changes if (words := truth_problem(path))}
+    problems += [document.problem(("truth", path), words) for path, words in wrong.items()]
+    true = scenario
+    if changes and not wrong:
+        try:
+            changed = with_values(document, changes, Scenario, lambda path: document.mark(("truth", path)))
+        except ConfigError as error:
+            problems += error.problems
+        else:
+            true, more = _judged(changed)
+            problems += more
+    return LoadedScenario(scenario, true, document), problems
 
 
-def _checked(document: Document) -> Scenario:
-    """The scenario of a document: its values, how they fit together, and its tables."""
-    scenario = validate(Scenario, document)
-    refuse(document, {**section_problems(scenario), **file_problems(scenario)})
-    return scenario
+def _judged(document: Document) -> tuple[Scenario, list[Problem]]:
+    """The scenario of a document, and the problems of its values, their combination and its tables."""
+    scenario, problems = judged(Scenario, document)
+    found = {**section_problems(scenario), **file_problems(scenario)}
+    return scenario, [*problems, *(document.problem(steps(path), words) for path, words in found.items())]
 
 
 #: Sections of a scenario file for many flights and for calibration, which a single flight does not read.
@@ -95,31 +113,53 @@ def load_document(document: Document, overrides: Iterable[str] = ()) -> LoadedSc
     Raises:
         ConfigError: with every problem found.
     """
+    return _sound(*judged_scenario(document, overrides))
+
+
+def judged_scenario(
+    document: Document, overrides: Iterable[str] = ()
+) -> tuple[LoadedScenario, list[Problem]]:
+    """Load a document as :func:`load_document`, and list its problems.
+
+    If there are problems, the scenario is only for further checks (:mod:`edl6dof.config.refused`).
+
+    Raises:
+        ConfigError: a plugin cannot be used, without which its names and parameters are not known.
+    """
     overrides = list(overrides)
     late = [text for text in overrides if text.partition("=")[0].strip().partition(".")[0] == "plugins"]
-    if late:
-        raise ConfigError(
-            Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
-        )
+    problems = [
+        Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
+    ]
     for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
         document.data.pop(name, None)
         document.forget((name,))
-    document = with_whole_paths(expand_daveml(document))
-    try:
-        changed = apply_overrides(document, overrides, Scenario)
-    except ConfigError as error:
-        refused = {problem.file for problem in error.problems}
-        kept = [text for text in overrides if f"--set {text}" not in refused]
-        raise ConfigError((*error.problems, *_problems(document, kept))) from None
-    return check_document(with_whole_paths(expand_daveml(changed)))
+    document, more = _overridden(_expanded(document), [text for text in overrides if text not in late])
+    loaded, found = _judged_document(_expanded(document))
+    return loaded, [*problems, *more, *found]
 
 
-def _problems(document: Document, overrides: Iterable[str]) -> tuple[Problem, ...]:
+def _overridden(document: Document, overrides: list[str]) -> tuple[Document, list[Problem]]:
+    """The document with the overrides that can be applied, and the problems of the others."""
     try:
-        check_document(with_whole_paths(expand_daveml(apply_overrides(document, overrides, Scenario))))
+        return apply_overrides(document, overrides, Scenario), []
     except ConfigError as error:
-        return error.problems
-    return ()
+        problems = list(error.problems)
+    refused = {problem.file for problem in problems}
+    kept = [text for text in overrides if f"--set {text}" not in refused]
+    if kept == overrides:
+        return document, problems
+    changed, more = _overridden(document, kept)
+    return changed, [*problems, *more]
+
+
+def _expanded(document: Document) -> Document:
+    """The document with the data of the files that it names, and with absolute paths."""
+    try:
+        document = expand_daveml(document)
+    except ConfigError as error:
+        document.refused |= {("vehicle", "mass"): error.problems, ("vehicle", "aero"): ()}
+    return with_whole_paths(document)
 
 
 #: Models of air and wind that replace those of plugins: they need no table.

@@ -22,7 +22,7 @@ WORKED_OUT_BY = {
 
 
 def components(vehicle: VehicleParams, action: str) -> dict[str, int]:
-    """Index of the possible components of an action by name."""
+    """Return the components of a vehicle on which an ``action`` of an event can act: index by name."""
     if action == "jettison":
         return {part.name: index for index, part in enumerate(vehicle.parts)}
     if action in ("deploy", "release"):

@@ -103,7 +103,14 @@ def reciprocal_axes(axes):
 
 @kernel
 def places_per_metre(terrain, planet, sin_lat, cos_lat, altitude):
-    """Change of place (m, true at the site) by a metre north and by a metre east at an altitude (m)."""
+    """Return the change of the map coordinates north and east for a displacement of one metre north and of
+    one metre east, at an ``altitude`` (m above the ellipsoid) and the latitude of ``sin_lat`` and
+    ``cos_lat``.
+
+    Map coordinates of the terrain are the differences of latitude and longitude from the site, times the
+    lengths of a radian at the site. A metre of map coordinates is therefore a metre at the site; elsewhere,
+    and higher up, the two lengths differ.
+    """
     e2 = planet.flattening * (2.0 - planet.flattening)
     root = sqrt(1.0 - e2 * sin_lat * sin_lat)
     prime = planet.equatorial_radius / root

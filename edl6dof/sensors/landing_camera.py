@@ -165,8 +165,8 @@ def share_of_obstacles(area, view, cells, i, j, smallest, steepest):
 
 @kernel
 def covered(population, view, cells, i, j, smallest, largest, steepest):
-    """Area (m2) that members of a population take whose middle lies in the cell (``i``, ``j``), of diameters
-    from ``smallest`` to ``largest`` (m), and with a wall as steep as ``steepest`` unless that is negative.
+    """Area (m2) covered by the members of a population whose middle lies in the cell (``i``, ``j``), with
+    diameters from ``smallest`` to ``largest`` (m) and walls at least as steep as ``steepest`` (below 0: any).
     """
     south, north = span(cells, i, j, 0)
     west, east = span(cells, i, j, 1)

@@ -101,7 +101,9 @@ class Vehicle(NamedTuple):
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """The scenario with a flight that ends at mortar fire."""
+        """Return the scenario of the vehicle with its changes and ``more`` overrides (``PATH=VALUE``); the
+        flight ends at mortar fire.
+        """
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 

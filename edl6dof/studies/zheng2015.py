@@ -111,7 +111,9 @@ REMARKS = (
 
 
 def run(session: Session) -> Report:
-    """Fly the same entries in every experiment, and one of them again with its telemetry."""
+    """Fly the same dispersed entries in every experiment. Fly the first entry of the first experiment once
+    more, to record its telemetry for the findings on tracking and for the figures.
+    """
     cases = all_cases(session.flights)
     session.total = len(cases)
     rows = session.fly(edl6dof.load(SCENARIO), cases, figures)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from edl6dof.config.base import (
     unique_names,
 )
 from edl6dof.config.errors import Inconsistent
+from edl6dof.config.refused import Found, findings
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_SURFACES, MAX_TANKS
 from edl6dof.spatial.arrays import total
 from edl6dof.vehicle.aerodynamics.surfaces import SurfaceParams
@@ -167,80 +169,9 @@ class VehicleParams(Hardware):
 
     @model_validator(mode="after")
     def _parts_fit(self) -> VehicleParams:
-        problems = {}
-        if words := lander_problem(self.mass, tuple(self.parts), tuple(self.tanks)):
-            problems["mass"] = words
-        if self.aero.model == "capsule" and self.showing("capsule") is None:
-            problems["parts"] = "aero.model capsule flies as long as a part with shape: capsule is attached"
-        problems |= self._unstated_aero()
-        names = [part.name for part in self.parts]
-        named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(self.parachutes)}
-        named |= {f"parachutes.{k}.carried_by": one.carried_by for k, one in enumerate(self.parachutes)}
-        named |= {f"surfaces.{k}.carried_by": one.carried_by for k, one in enumerate(self.surfaces)}
-        named |= {f"appearance.meshes.{k}.part": one.part for k, one in enumerate(self.appearance.meshes)}
-        for place, part in named.items():
-            if part is not None and part not in names:
-                problems[place] = f"no part named {part!r}; names: {', '.join(names) or 'none'}"
-        problems |= self._feed_problems()
-        laid = branch_problems(self.rcs.branches, [jet.name for jet in self.rcs.thrusters])
-        problems |= {f"rcs.{place}": words for place, words in laid.items()}
-        for k, engine in enumerate(self.engines):
-            low, high = engine.throttle_min_n, engine.throttle_max_n
-            if engine.model == "throttled" and high == 0.0:
-                problems[f"engines.{k}.throttle_max_n"] = "a throttled engine needs its band"
-            elif low > high:
-                words = f"must not be above throttle_max_n {high:g} (got {low:g})"
-                problems[f"engines.{k}.throttle_min_n"] = words
-            elif high > engine.full_thrust_n:
-                words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
-                problems[f"engines.{k}.throttle_max_n"] = words
-            if engine.direction[0] * self.engines[0].direction[0] < 0.0:
-                problems[f"engines.{k}.direction"] = "must push the same way along x as the first engine"
-            if engine.group in [other.name for other in self.engines]:
-                problems[f"engines.{k}.group"] = f"must not be the name of an engine (got {engine.group!r})"
-        problems |= self._thruster_set_problems()
-        if problems:
+        if problems := findings(_CHECKS, self):
             raise Inconsistent(problems)
         return self
-
-    def _unstated_aero(self) -> dict[str, str]:
-        """Missing values of the shapes flown, by dotted key: a default would be another vehicle's."""
-        flown: list[str] = [self.aero.model] if self.aero.model in STATED else []
-        flown += ["backshell"] if self.showing("backshell") else []
-        flown += ["lander"] if self.aero.model == "capsule" and self.engines else []
-        return {
-            f"aero.{shape}.{key}": "required key is missing"
-            for shape in flown
-            for key in STATED[shape]
-            if key not in getattr(self.aero, shape).model_fields_set
-        }
-
-    def _thruster_set_problems(self) -> dict[str, str]:
-        """Problems of number, place and thrust of engines made of thrusters, by dotted key."""
-        sets = [k for k, engine in enumerate(self.engines) if engine.model == THRUSTER_SET.name]
-        axial = total(-jet.thrust_n * jet.direction[0] for jet in self.rcs.thrusters if jet.group == "axial")
-        problems = {}
-        for k in sets:
-            full = self.engines[k].full_thrust_n
-            if abs(full - axial) > _AS_BELIEVED * full:
-                problems[f"engines.{k}.full_thrust_n"] = (
-                    f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
-                )
-        if sets and (len(sets) > 1 or sets[0] != len(self.engines) - 1):
-            problems["engines"] = f"at most one is a {THRUSTER_SET.name}, the last of the list"
-        return problems
-
-    def _feed_problems(self) -> dict[str, str]:
-        """Tanks that engines or thrusters name and that do not exist, by dotted key."""
-        drawing = {f"engines.{k}": one.draws_from for k, one in enumerate(self.engines)}
-        drawing |= {f"rcs.thrusters.{k}": one.draws_from for k, one in enumerate(self.rcs.thrusters)}
-        names = [tank.name for tank in self.tanks]
-        return {
-            f"{place}.draws_from.{k}": f"no tank named {name!r}; names: {', '.join(names) or 'none'}"
-            for place, drawn in drawing.items()
-            for k, name in enumerate(drawn)
-            if name not in names
-        }
 
     @property
     def engine_groups(self) -> dict[str, list[str]]:
@@ -264,6 +195,100 @@ class VehicleParams(Hardware):
     def main_parachute(self) -> ParachuteParams:
         """The parachute flown last."""
         return self.parachutes[-1]
+
+
+def _mass_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    if words := lander_problem(vehicle.mass, tuple(vehicle.parts), tuple(vehicle.tanks)):
+        yield "mass", words
+
+
+def _capsule_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    if vehicle.aero.model == "capsule" and vehicle.showing("capsule") is None:
+        yield "parts", "aero.model capsule flies as long as a part with shape: capsule is attached"
+
+
+def _unstated_aero(vehicle: VehicleParams) -> Iterator[Found]:
+    """Require the values of the shapes flown: a default would be another vehicle's."""
+    flown: list[str] = [vehicle.aero.model] if vehicle.aero.model in STATED else []
+    flown += ["backshell"] if vehicle.showing("backshell") else []
+    flown += ["lander"] if vehicle.aero.model == "capsule" and vehicle.engines else []
+    for shape in flown:
+        for key in STATED[shape]:
+            if key not in getattr(vehicle.aero, shape).model_fields_set:
+                yield f"aero.{shape}.{key}", "required key is missing"
+
+
+def _part_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    """Require the parts that parachutes, surfaces and meshes name."""
+    names = [part.name for part in vehicle.parts]
+    named = {f"parachutes.{k}.pack": one.pack for k, one in enumerate(vehicle.parachutes)}
+    named |= {f"parachutes.{k}.carried_by": one.carried_by for k, one in enumerate(vehicle.parachutes)}
+    named |= {f"surfaces.{k}.carried_by": one.carried_by for k, one in enumerate(vehicle.surfaces)}
+    named |= {f"appearance.meshes.{k}.part": one.part for k, one in enumerate(vehicle.appearance.meshes)}
+    for place, part in named.items():
+        if part is not None and part not in names:
+            yield place, f"no part named {part!r}; names: {', '.join(names) or 'none'}"
+
+
+def _feed_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    """Require the tanks that engines or thrusters name."""
+    drawing = {f"engines.{k}": one.draws_from for k, one in enumerate(vehicle.engines)}
+    drawing |= {f"rcs.thrusters.{k}": one.draws_from for k, one in enumerate(vehicle.rcs.thrusters)}
+    names = [tank.name for tank in vehicle.tanks]
+    for place, drawn in drawing.items():
+        for k, name in enumerate(drawn):
+            if name not in names:
+                yield (
+                    f"{place}.draws_from.{k}",
+                    f"no tank named {name!r}; names: {', '.join(names) or 'none'}",
+                )
+
+
+def _branch_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    laid = branch_problems(vehicle.rcs.branches, [jet.name for jet in vehicle.rcs.thrusters])
+    yield from ((f"rcs.{place}", words) for place, words in laid.items())
+
+
+def _engine_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    for k, engine in enumerate(vehicle.engines):
+        low, high = engine.throttle_min_n, engine.throttle_max_n
+        if engine.model == "throttled" and high == 0.0:
+            yield f"engines.{k}.throttle_max_n", "a throttled engine needs its band"
+        elif low > high:
+            yield f"engines.{k}.throttle_min_n", f"must not be above throttle_max_n {high:g} (got {low:g})"
+        elif high > engine.full_thrust_n:
+            words = f"must not be above full_thrust_n {engine.full_thrust_n:g} (got {high:g})"
+            yield f"engines.{k}.throttle_max_n", words
+        if engine.direction[0] * vehicle.engines[0].direction[0] < 0.0:
+            yield f"engines.{k}.direction", "must push the same way along x as the first engine"
+        if engine.group in [other.name for other in vehicle.engines]:
+            yield f"engines.{k}.group", f"must not be the name of an engine (got {engine.group!r})"
+
+
+def _thruster_set_problems(vehicle: VehicleParams) -> Iterator[Found]:
+    """Limit number, place and thrust of engines made of thrusters."""
+    sets = [k for k, engine in enumerate(vehicle.engines) if engine.model == THRUSTER_SET.name]
+    jets = [jet for jet in vehicle.rcs.thrusters if sets and jet.group == "axial"]
+    axial = total(-jet.thrust_n * jet.direction[0] for jet in jets)
+    for k in sets:
+        full = vehicle.engines[k].full_thrust_n
+        if abs(full - axial) > _AS_BELIEVED * full:
+            words = f"must be what the axial thrusters give along -x together, {axial:.1f} (got {full:g})"
+            yield f"engines.{k}.full_thrust_n", words
+    if sets and (len(sets) > 1 or sets[0] != len(vehicle.engines) - 1):
+        yield "engines", f"at most one is a {THRUSTER_SET.name}, the last of the list"
+
+
+_CHECKS: tuple[Callable[[VehicleParams], Iterable[Found]], ...] = (
+    _mass_problems,
+    _capsule_problems,
+    _unstated_aero,
+    _part_problems,
+    _feed_problems,
+    _branch_problems,
+    _engine_problems,
+    _thruster_set_problems,
+)
 
 
 def carriers(vehicle: VehicleParams) -> list[int]:

@@ -106,6 +106,8 @@ def capsule_trim(planted: Sequence[str] = ()) -> Report:
     swing).
 
     Swing 0.05 deg about trim and measure the middle and the frequency.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     results, result = [], partial(Result, source="published table by PCHIP, linearised")
     for mach, density in ((2.0, 1e-2), (15.0, 1e-3)):
@@ -130,6 +132,8 @@ def damping(planted: Sequence[str] = ()) -> Report:
     sigma: curvature of the static moment within the swing of 0.05 deg leaks into the envelope.
 
     Swing with Cmq = -1 and +1 and measure the growth of the envelope.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     results, mach = [], 15.0
     about = ("pitch damping", "linearised pitch equation", "curvature of the moment")
@@ -191,13 +195,16 @@ def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
 
     gravity central | atmosphere exponential, 200 m scale height (makes the glide's own approximation good) |
     winds none | vehicle capsule trimmed at alpha = -11 deg beyond Mach 30, where its table is constant |
-    source: Eggers, Allen & Neice, NACA report 1382 (1957): lift carries what the centrifugal force does not,
-    L = m (g - V^2/r), and the range is r/2 L/D ln((1 - u1) / (1 - u0)), u = V^2 / g r | tolerance 1 %: the
-    glide steepens, which takes 4 H / (r (L/D)^2 u) off the lift (1 to 2.5 %, counted in the expected value);
-    the range counts that and the weight along the path; their squares, the slow phugoid from the start and
-    the change of weight with altitude remain.
+    source: Eggers, Allen & Neice, NACA report 1382 (1957): the lift L equals the weight less the centrifugal
+    force, L = m (g - V^2/r), and the range from the speed V0 to V1 is r/2 L/D ln((1 - u1) / (1 - u0)), with u
+    = V^2 / (g r) at either speed | tolerance 1 %: the expected values include two corrections of first
+    order. The path steepens, so the lift is smaller by the share 4 H / (r (L/D)^2 u) (1 to 2.5 %; H: scale
+    height); the range includes this share and the component of the weight along the path. Errors of second
+    order, the slow phugoid from the start, and the change of weight with altitude are not included.
 
     Glide for 130 s; compare lift and weight at each speed, and the range.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     table = Published(30.0)
     rows = flown(_glide(table), planted)[1].telemetry

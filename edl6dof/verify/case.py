@@ -147,14 +147,22 @@ def doing(*events: tuple[str, str, float]) -> tuple[str, ...]:
 
 
 def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scenario, LoadedScenario]:
-    """The scenario of expected values, and the one to fly, which differs by the ``planted`` errors."""
+    """Return the scenario of the expected values, and the scenario to fly.
+
+    Args:
+        overrides: ``PATH=VALUE`` texts that both scenarios have.
+        planted: further overrides of the flown scenario alone. They are deliberate errors, with which tests
+            prove that a case fails if the simulator is wrong; empty otherwise.
+    """
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
 def flown(
     overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
 ) -> tuple[Scenario, Flight]:
-    """The scenario of expected values, and the flight: :func:`scenes` and :func:`to_the_end`."""
+    """Return the scenario of the expected values, and the flight to the end called ``ends``; arguments as for
+    :func:`scenes` and :func:`to_the_end`.
+    """
     nominal, loaded = scenes(overrides, planted)
     return nominal, to_the_end(loaded, ends=ends)
 

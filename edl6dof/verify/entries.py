@@ -34,6 +34,8 @@ def allen_eggers(planted: Sequence[str] = ()) -> Report:
     speed: RK4 at 10 ms over scale heights of 2 s; 1e-6 of the peak, which falls between rows 20 ms apart.
 
     Fall straight down and compare the speed at every altitude, and the greatest deceleration.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     nominal, flight = flown(_STRAIGHT, planted, ends="crashed")
     air, aero = stated(nominal.atmosphere.exponential), nominal.vehicle.aero.constant
@@ -134,6 +136,8 @@ def point_mass(planted: Sequence[str] = ()) -> Report:
     tolerance 1 mm and 0.01 mm/s over 150 s: RK4 at 10 ms.
 
     Fly banked over a rotating planet; compare place and speed with the spherical equations.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     nominal, flight = flown(_BANKED, planted)
     rows = {name: values[::50] for name, values in flight.telemetry.items()}

@@ -84,7 +84,10 @@ def _balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds
 
 
 def run(planted: Sequence[str] = ()) -> Report:
-    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums."""
+    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+    """
     results = []
     for name, action, component, part, seconds, tolerance in _PARTINGS:
         scene = [*_SCENE, *doing((action, component, 0.0)), f"simulation.time_limit_s={seconds}"]

@@ -97,6 +97,8 @@ def differences(own: Columns, other: Columns) -> dict[str, float]:
 def run(planted: Sequence[str] = ()) -> Report:
     """Fly every case that has reference data and compare it.
 
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+
     Raises:
         NotInstalledError: reference data are not part of this installation.
     """

@@ -143,6 +143,8 @@ def pendulum(planted: Sequence[str] = ()) -> Report:
     1e-5 on the way; the differences are good to 1e-8.
 
     Start each mode alone and measure its frequency and damping.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     model = _Planar(scenes(_SCENE)[0])
     values, shapes = model.modes()
@@ -172,6 +174,8 @@ def terminal_velocity(planted: Sequence[str] = ()) -> Report:
     out to 1e-7 after 120 s.
 
     Start 20 % too fast and compare the speed after two minutes.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     model = _Planar(scenes(_SCENE)[0])
     start = model.equilibrium()

@@ -31,6 +31,8 @@ def us76_table(planted: Sequence[str] = ()) -> Report:
     0.005 K (csv: two decimals), 5e-6 of six-digit densities and seven-digit pressures.
 
     Compare at every row of the table.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     _, loaded = scenes(["atmosphere.model=us76"], planted)
     tables = records.build_tables(loaded.truth)
@@ -92,6 +94,8 @@ def gravity_field(planted: Sequence[str] = ()) -> Report:
     centre round to 1e-14 and truncate at (12 x 2 km / 3,400 km)^4 of degree 12's 1e-4 m/s2, 3e-13.
 
     Compare at random points up to 200 km above the surface.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     rng, count = np.random.default_rng(5), 12
     direction = rng.normal(size=(count, 3))

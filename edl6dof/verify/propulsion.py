@@ -45,6 +45,8 @@ def rocket_equation(planted: Sequence[str] = ()) -> Report:
     the few steps that hold a corner of its rate limit.
 
     Throttle through six levels and compare speed lost with mass lost at every row.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     state, found = None, []
     for index, level in enumerate(_THROTTLE):
@@ -97,10 +99,13 @@ def impulses(planted: Sequence[str] = ()) -> Report:
 
     gravity none | atmosphere none | winds none | vehicle one rigid body with propellant, one thruster in line
     with its centre | source: a trapezium for each pulse, F (T + (decay - rise) / 2), or a triangle if it is
-    shorter than the rise; rocket equation for the speed | tolerance 1e-10 of each sum of propellant, and
-    1e-11 of the last speed, 1.2 m/s, for all of them: rounding of 2,000 steps.
+    shorter than the rise (F: steady thrust, T: time for which the valve is open); rocket equation for the
+    speed | tolerance: rounding of 2,000 steps. The propellant used up to each pulse is within 1e-10 of its
+    expected value; the speed after each pulse is within 1.2e-11 m/s, 1e-11 of the final speed of 1.2 m/s.
 
     Fire 200 pulses of 1 to 60 ms in steps of random length and compare propellant and speed.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     nominal, loaded = scenes(_PULSES, planted)
     tables = records.build_tables(loaded.truth)

@@ -6,6 +6,7 @@ import importlib
 import pickle
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -278,3 +279,17 @@ def test_without_gymnasium_it_says_what_to_install(monkeypatch):
     monkeypatch.delitem(sys.modules, "edl6dof.gym")
     with pytest.raises(ImportError, match=r"edl6dof\[gym\]"):
         importlib.import_module("edl6dof.gym")
+
+
+def test_units_and_scales_are_printed_and_documented(environments):
+    page = (Path(__file__).parents[2] / "docs" / "stepping.md").read_text(encoding="utf-8")
+    for name, env in environments.items():
+        printed = str(env.task)
+        for feature in env.task.features:
+            assert f"  {feature.name} / {feature.scale_and_unit}" in printed
+            assert f"| `{feature.name}` | {feature.scale_and_unit} | {feature.size} |" in page
+        assert "The action is " in printed and f"\n| `{name}` | " in page
+
+
+def test_the_bank_of_an_action_of_one_is_the_documented_one(environments):
+    assert np.degrees(environments["EntryBank"].task._largest) == pytest.approx(105.0)

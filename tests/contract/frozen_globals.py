@@ -15,14 +15,14 @@ import numpy as np
 
 import edl6dof
 from edl6dof.config.errors import ConfigError
+from edl6dof.kernels.jit import Kernel
 
 
 def kernels(module: ModuleType) -> Iterator[FunctionType]:
     """The Python functions of the kernels that a module defines."""
     for value in vars(module).values():
-        function = getattr(value, "py_func", None)
-        if isinstance(function, FunctionType) and function.__module__ == module.__name__:
-            yield function
+        if isinstance(value, Kernel) and value.py_func.__module__ == module.__name__:
+            yield value.py_func
 
 
 def names_in(code: CodeType) -> set[str]:

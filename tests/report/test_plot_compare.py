@@ -186,23 +186,33 @@ def test_overlay_holds_the_curves_of_both(run, other):
     assert speed[names[0]].dash != speed[names[1]].dash, "they differ in print too"
 
 
-def test_plot_draws_several_flights_in_one_panel(run, other, tmp_path, capsys, monkeypatch):
-    """One channel has a colour for each flight; several have theirs, and flights their dashes."""
+def test_plot_draws_several_flights_in_a_panel_for_each_channel(run, other, tmp_path, capsys, monkeypatch):
+    """Each flight has its colour and dashes, the same in every panel."""
     out = tmp_path / "p.svg"
     words = ("plot", run.folder, other.folder, "truth.mach", "--out", out)
     assert command(capsys, monkeypatch, *words) == (0, f"{out}\n", "")
-    names = labels(run, other)
-    one, three = (
-        together([channel_plot(of, channels, "t_s", of.t > 0.0) for of in (run, other)], names).panels[0]
-        for channels in (["truth.mach"], chosen(run, ["truth.rate_?_deg_s"], run.folder))
-    )
-    assert [(trace.name, trace.dash) for trace in one.coloured()] == list(
-        zip(names, ("solid", "dash"), strict=True)
-    )
-    assert len({trace.colour for trace in one.coloured()}) == 2
-    assert len(one.traces[0].x) - len(one.traces[1].x) == 500
-    assert three.traces[3].name == f"truth.rate_p_deg_s, {names[1]}" and three.traces[3].dash == "dash"
-    assert three.traces[3].colour == three.traces[0].colour != three.traces[1].colour
+    names, rates = labels(run, other), chosen(run, ["truth.rate_?_deg_s"], run.folder)
+    figures = [channel_plot(of, rates, "t_s", of.t > 0.0, apart=True) for of in (run, other)]
+    figure = together(figures, names)
+    assert figure.title.endswith("of 2 flights") and figure.entries == set(names)
+    assert [panel.title.partition(":")[0] for panel in figure.panels] == rates
+    for panel in figure.panels:
+        assert [(trace.name, trace.dash) for trace in panel.traces] == list(
+            zip(names, ("solid", "dash"), strict=True)
+        )
+        assert len({trace.colour for trace in panel.coloured()}) == 2
+        assert len(panel.traces[0].x) - len(panel.traces[1].x) == 500
+
+
+def test_times_of_a_plot_the_wrong_way_round_are_refused(run, capsys, monkeypatch):
+    words = ("plot", run.folder, "truth.mach", "--from", "30", "--to", "3")
+    refused = "--from: must not be after the last time, 3 s (got 30 s)\n"
+    assert command(capsys, monkeypatch, *words) == (2, "", refused)
+
+
+def test_compare_of_three_names_the_command_that_draws_them(capsys, monkeypatch):
+    code, _, err = command(capsys, monkeypatch, "compare", "a", "b", "c")
+    assert code == 2 and "edl6dof plot a b c CHANNEL" in err
 
 
 def test_a_run_that_is_not_there_is_no_channel(run, capsys, monkeypatch):

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 
-from edl6dof.report.document import Report, Section, Table
+from edl6dof.report.document import Report, Section, Table, Text
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report
 from edl6dof.report.pdf import AHEAD, ROOM, ROWS_PER_PAGE, _pages, figure_pages
@@ -30,6 +30,18 @@ def test_tables_are_not_torn():
         for page in mine:
             assert page[page.index(name) + 1 :][:1] == ["name"]
     assert pages[0][0] == "title" and pages[-1][-1] == "the end"
+
+
+def test_paragraphs_and_long_cells_are_wrapped():
+    blocks = [Text("word " * 60), Table(["name", "n>"], [["long " * 30, "7"], ["short", "8"]])]
+    report = Report("title", "headline", "good", sections=[Section("s", "Section", blocks)], footer="the end")
+    (page,) = _pages(report)
+    found = [[word.text for word in line] for line in page if line]
+    assert sum(line == ["Section"] for line in found) == 1  # above the paragraph, not again above the table
+    assert max(len(text) for line in found for text in line) <= 130
+    begun = next(k for k, line in enumerate(found) if line[0].startswith("long "))
+    assert [line[1] for line in found[begun : begun + 4]] == ["7", "", "", "8"]
+    assert " ".join(line[0] for line in found[begun : begun + 3]).split() == ["long"] * 30
 
 
 def test_figures_fill_two_columns_and_those_side_by_side_both():

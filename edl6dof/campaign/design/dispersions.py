@@ -11,7 +11,7 @@ With a campaign section, every cell is flown on all of its vehicles; without one
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import comb
@@ -29,6 +29,7 @@ from edl6dof.config.document.overrides import ensure_path
 from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, bounds, root_slot, value_at
+from edl6dof.config.refused import REFUSED, NotKnown
 from edl6dof.config.wording import counted, in_bounds
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import truth_problem
@@ -88,11 +89,12 @@ class Locator:
     Args:
         loaded: the scenario.
         document: file of the campaign, for the places of problems.
+        problems: problems of the scenario and of the campaign's own values.
     """
 
-    def __init__(self, loaded: LoadedScenario, document: Document):
+    def __init__(self, loaded: LoadedScenario, document: Document, problems: Iterable[Problem] = ()):
         self.loaded, self.document = loaded, document
-        self.problems: list[Problem] = []
+        self.problems = list(problems)
         self._template = copy.deepcopy(loaded.document)
 
     def targets(self, of: Of, path: str, place: Keys) -> Iterator[Target]:
@@ -102,10 +104,14 @@ class Locator:
             if of == "truth" and (words := truth_problem(path)):
                 raise ValueError(words)
             for found in _expanded(model, path):
+                if _is_refused(model, found):
+                    continue
                 slot = root_slot(Scenario)
                 for key in ensure_path(self._template, found, Scenario):
                     slot = stated(slot.child(key))
                 yield Target(of, found, value_at(model, found), slot, place)
+        except NotKnown:
+            return
         except (ValueError, AttributeError, LookupError) as error:
             self.refuse(place, str(error))
 
@@ -117,6 +123,16 @@ class Locator:
         """Raise a ``ConfigError`` if there were problems."""
         if self.problems:
             raise ConfigError(self.problems)
+
+
+def _is_refused(model: BaseModel, path: str) -> bool:
+    """Return whether the value at a path was refused, so that no distribution can be compared with it."""
+    try:
+        return value_at(model, path) is REFUSED
+    except NotKnown:
+        return True
+    except (ValueError, AttributeError, LookupError):
+        return False  # for the search of the path to explain
 
 
 def _expanded(model: BaseModel, path: str) -> list[str]:

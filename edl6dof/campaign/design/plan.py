@@ -33,9 +33,10 @@ from edl6dof.config.document.source import Mark, parse_document, read_document, 
 from edl6dof.config.dump import dump_resolved
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.model_paths import value_at
-from edl6dof.config.validate import validate
+from edl6dof.config.refused import judging
+from edl6dof.config.validate import judged
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, check_document, load_document, truth_problem
+from edl6dof.scenario.loading import CAMPAIGN_SECTIONS, check_document, judged_scenario, truth_problem
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import resolved_text
 
@@ -208,37 +209,50 @@ def plan_of(
         if value is not None and isinstance(section := own.get("campaign"), dict):
             own["campaign"] = {**section, key: value}
             marks["campaign", key] = Mark(f"--{key}")
-    file = validate(CampaignFile, Document(own, marks, files=document.files))
+    file, problems = judged(CampaignFile, Document(own, marks, files=document.files))
     places = Document({}, dict(document.marks), files=document.files)
-    return _checked(load_document(document, sets), file, places)
+    loaded, more = judged_scenario(document, sets)
+    return _checked(loaded, file, Locator(loaded, places, [*problems, *more]))
 
 
-def _checked(loaded: LoadedScenario, file: CampaignFile, places: Document) -> Plan:
+def _checked(loaded: LoadedScenario, file: CampaignFile, locator: Locator) -> Plan:
     campaign, sweep, matrix = file.campaign, file.sweep, file.fault_matrix
-    locator = Locator(loaded, places)
-    draws = dispersions(campaign, locator) if campaign is not None else []
-    axes = []
-    for index, axis in enumerate(sweep.axes if sweep is not None else ()):
-        targets = list(locator.targets(axis.of, axis.path, ("sweep", "axes", index, "path")))
-        axes += [(target, tuple(axis.points)) for target in targets]
-        if any(target.path == axis.path for draw in draws for target in draw.targets):
-            locator.refuse(("sweep", "axes", index, "path"), f"{axis.path} is dispersed too")
-    if campaign is not None:
-        check_faults(campaign, locator)
-    if matrix is not None:
-        check_matrix(matrix, campaign.cases if campaign is not None else 1, locator)
-    if campaign is not None and campaign.sampling == "sobol_indices":
-        place = ("campaign", "sampling")
-        if sweep is not None or matrix is not None:
-            locator.refuse(place, "sobol_indices is flown alone: without sweep or fault_matrix")
-        if not draws and not locator.problems:
-            locator.refuse(place, "sobol_indices has nothing to vary: nothing is dispersed")
+    draws: list[Draw] = []
+    axes: list[tuple[Target, tuple[Any, ...]]] = []
+    values = [file, loaded.scenario, loaded.truth]
+    with judging(values):
+        draws += dispersions(campaign, locator) if campaign is not None else []
+    with judging(values):
+        axes += _swept(sweep, draws, locator) if sweep is not None else []
+    with judging(values):
+        if campaign is not None:
+            check_faults(campaign, locator)
+    with judging(values):
+        if matrix is not None:
+            check_matrix(matrix, campaign.cases if campaign is not None else 1, locator)
+    with judging(values):
+        if campaign is not None and campaign.sampling == "sobol_indices":
+            place = ("campaign", "sampling")
+            if sweep is not None or matrix is not None:
+                locator.refuse(place, "sobol_indices is flown alone: without sweep or fault_matrix")
+            if not draws and not locator.problems:
+                locator.refuse(place, "sobol_indices has nothing to vary: nothing is dispersed")
     locator.finish()
     points = tuple(product(cells(matrix) if matrix else [None], product(*(values for _, values in axes))))
     pinned = _with_pins(loaded, draws, axes)
     plan = Plan(pinned, campaign, sweep, tuple(draws), tuple(axes), matrix, points)
     _check_draws(plan, locator)
     return plan
+
+
+def _swept(
+    sweep: SweepParams, draws: list[Draw], locator: Locator
+) -> Iterator[tuple[Target, tuple[Any, ...]]]:
+    for index, axis in enumerate(sweep.axes):
+        place = ("sweep", "axes", index, "path")
+        yield from ((target, tuple(axis.points)) for target in locator.targets(axis.of, axis.path, place))
+        if any(target.path == axis.path for draw in draws for target in draw.targets):
+            locator.refuse(place, f"{axis.path} is dispersed too")
 
 
 def _with_pins(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from edl6dof.config.document.yamltree import REPLACE, Keys, Mark, dotted
-from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.config.errors import ConfigError, Problem, did_you_mean, nearest
 
 
 @dataclass
@@ -26,11 +26,16 @@ class Document:
     files: tuple[Path, ...] = ()
     #: Lists tagged ``!replace``, until the document is laid over its base.
     replacing: set[Keys] = field(default_factory=set)
+    #: Values that could not be read, and the reasons.
+    refused: dict[Keys, tuple[Problem, ...]] = field(default_factory=dict)
+    #: Items that an extending file adds to a list with fewer keys than an item of a similar name: that name.
+    similar: dict[Keys, str] = field(default_factory=dict)
 
     def copy(self) -> Document:
         """An independent copy."""
         places = dict(self.marks), dict(self.status), dict(self.sources)
-        return Document(_copied(self.data), *places, self.files, set(self.replacing))
+        notes = set(self.replacing), dict(self.refused), dict(self.similar)
+        return Document(_copied(self.data), *places, self.files, *notes)
 
     def mark(self, path: Keys) -> Mark:
         """Place of a value, or of the nearest parent that has one."""
@@ -50,6 +55,7 @@ class Document:
     def forget(self, path: Keys) -> None:
         """Drop places and provenance of a value that is replaced, and of everything inside it."""
         self.marks = {known: mark for known, mark in self.marks.items() if known[: len(path)] != path}
+        self.similar = {known: name for known, name in self.similar.items() if known[: len(path)] != path}
         inside = dotted(path) + "."
         for claims in (self.status, self.sources):
             for known in [known for known in claims if f"{known}.".startswith(inside)]:
@@ -71,9 +77,9 @@ def lay_over(base: Document, top: Document) -> None:
     and single values.
 
     A list over a list, both of items with names, changes the items of the same names and appends the
-    others: ``parachutes: [{name: main, drag_coefficient: 0.7}]``.  A mapping changes the items that it names:
-    ``parachutes: {main: {drag_coefficient: 0.7}}``.  An empty list, or one tagged ``!replace``, replaces the
-    whole list.
+    others: ``parachutes: [{name: main, drag_coefficient: 0.7}]``.  A mapping of mappings changes the items
+    that it names: ``parachutes: {main: {drag_coefficient: 0.7}}``.  An empty list, or one tagged
+    ``!replace``, replaces the whole list.
 
     Raises:
         ConfigError: a name is given twice in a list that is merged, or a ``!replace`` has no list to replace.
@@ -82,6 +88,7 @@ def lay_over(base: Document, top: Document) -> None:
     _merge(base, top, (), (), unused)
     refuse_replacing(top, unused)
     base.marks[()] = top.mark(())
+    base.refused |= top.refused
     base.files = (*top.files, *base.files)
 
 
@@ -104,7 +111,11 @@ def _merge(base: Document, top: Document, path: Keys, above_path: Keys, unused: 
     for key, value in enumerate(above) if isinstance(above, list) else above.items():
         where = value["name"] if isinstance(above, list) else key
         if isinstance(below, list):
-            where = _named(below).get(where, len(below))
+            known = _named(below)
+            if isinstance(key, str) and key not in known:
+                base.refused[*path, key] = (top.problem((*above_path, key), unknown_entry(key, known)),)
+                continue
+            where = known.get(where, len(below))
             present = below[where] if where < len(below) else None
         else:
             present = below.get(where)
@@ -116,6 +127,9 @@ def _merge(base: Document, top: Document, path: Keys, above_path: Keys, unused: 
             unused.discard(source)
         base.forget(place)
         if isinstance(below, list):
+            near = nearest(value["name"], known) if present is None else None
+            if near is not None and not below[known[near]].keys() <= value.keys():
+                base.similar[place] = near
             below[where : where + 1] = [value]
         else:
             below[where] = value
@@ -140,8 +154,8 @@ def _takes(below: Any, above: Any) -> bool:
         return _all_named(above) and _all_named(below)
     if not isinstance(above, dict):
         return False
-    changes_items = isinstance(below, list) and bool(above) and above.keys() <= _named(below).keys()
-    return isinstance(below, dict) or changes_items
+    changes_items = bool(above) and all(isinstance(value, dict) for value in above.values())
+    return isinstance(below, dict) or (_all_named(below) and changes_items)
 
 
 def _all_named(items: Any) -> bool:
@@ -151,6 +165,11 @@ def _all_named(items: Any) -> bool:
 
 def _has_name(item: Any) -> bool:
     return isinstance(item, dict) and isinstance(item.get("name"), str)
+
+
+def unknown_entry(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Message for a name that no item of a list has, with the one that was probably meant."""
+    return f"no entry named {name!r}{did_you_mean(name, known, otherwise)}"
 
 
 def _named(items: list[Any]) -> dict[Any, int]:

@@ -10,18 +10,23 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined, to_jsonable_python
 
 from edl6dof.config.base import Params
-from edl6dof.config.document.document import Document
+from edl6dof.config.document.document import Document, unknown_entry
 from edl6dof.config.document.source import INCLUDES, Mark, include
 from edl6dof.config.document.yamltree import REPLACE, Keys, dotted, parse_yaml
-from edl6dof.config.errors import ConfigError, Problem, did_you_mean
+from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, root_slot
-from edl6dof.config.wording import got, unknown_key
+from edl6dof.config.parameter_table import nearest_path, rows
+from edl6dof.config.wording import got, meant_key, unknown_key
 
 _FORM = "must have the form path.to.key=value"
 
 
 class _Refused(ValueError):
     """An override cannot be applied, for the reason in its text."""
+
+
+class _NoKey(_Refused):
+    """A path has a key that does not exist and is not similar to one that does."""
 
 
 def apply_overrides(document: Document, overrides: Iterable[str], model: type[BaseModel]) -> Document:
@@ -72,8 +77,14 @@ def _with(
     """A copy with changes: path, value for ``read`` to convert, and the place where the value was given."""
     result, problems = document.copy(), list[Problem]()
     for path, given, mark in changes:
+        if any(path.strip().startswith(f"{dotted(unread)}.") for unread in result.refused):
+            continue  # its place is not known
         try:
             _set(result, path.strip().split("."), read(given), mark, model)
+        except _NoKey as error:
+            near = nearest_path(path.strip(), (row.path for row in rows(model) if _is_plain(row.path)))
+            words = f"{error}; did you mean {near!r}?" if near else str(error)
+            problems.append(Problem(*mark, path.strip(), words))
         except _Refused as error:
             problems.append(Problem(*mark, path.strip(), str(error)))
         except ConfigError as error:
@@ -81,6 +92,11 @@ def _with(
     if problems:
         raise ConfigError(problems)
     return result
+
+
+def _is_plain(path: str) -> bool:
+    """Return whether a path of the table of parameters can be set as it stands: without names to put in."""
+    return "[]" not in path and "<" not in path
 
 
 def _parse(text: str | None) -> Any:
@@ -155,10 +171,11 @@ def _step(node: Any, slot: Slot, part: str) -> tuple[str | int, Slot]:
     elif slot.keys:
         raise _Refused(f"cannot set {part!r} inside {got(node)}")
     else:
-        raise _Refused(f"{slot.name} is a single value: it has no {part!r} inside")
+        raise _NoKey(f"{slot.name} is a single value: it has no {part!r} inside")
     child = slot.child(key)
     if child is None:
-        raise _Refused(unknown_key(part, slot) + (f" (in {slot.name})" if slot.name else ""))
+        kind = _NoKey if meant_key(part, slot.keys) is None else _Refused
+        raise kind(unknown_key(part, slot) + (f" (in {slot.name})" if slot.name else ""))
     return key, child
 
 
@@ -172,7 +189,7 @@ def _index(items: list[Any], part: str) -> int:
         raise _Refused(f"no entry {part}: the list has {len(items)}, counted from 0")
     known = [str(name) for name in names if name is not None]
     otherwise = f"; names: {', '.join(known)}" if known else "; use its index, from 0"
-    raise _Refused(f"no entry named {part!r}{did_you_mean(part, known, otherwise)}")
+    raise _Refused(unknown_entry(part, known, otherwise))
 
 
 def _default(slot: Slot) -> Any:

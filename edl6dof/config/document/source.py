@@ -49,8 +49,11 @@ INCLUDES: dict[str, str] = {"vehicle": "vehicles", "planet": "planets"}
 def read_document(path: str | Path, includes: Mapping[str, str] = INCLUDES) -> Document:
     """Read a YAML file, the files it includes, and the scenario it extends.
 
+    An included file that cannot be read is noted in ``refused`` of the document, for the validation to report
+    together with the mistakes of the other sections.
+
     Raises:
-        ConfigError: every mistake of all files, except those of parameters.
+        ConfigError: the file itself, or one that it extends, cannot be read.
     """
     document = _read(Path(path), includes, ())
     if "planet" in includes and "atmosphere" not in document.data:
@@ -77,7 +80,6 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
     document = parse_document(_read_text(path), shown(path))
     document.files = (path,)
     base = _base(document, includes, (*extended_by, path.resolve())) if EXTENDS in document.data else None
-    problems: list[Problem] = []
     for key, kind in includes.items():
         value = document.data.get(key)
         if isinstance(value, str):
@@ -86,9 +88,7 @@ def _read(path: Path, includes: Mapping[str, str], extended_by: tuple[Path, ...]
             try:
                 include(document, key, value, kind)
             except ConfigError as error:
-                problems += error.problems
-    if problems:
-        raise ConfigError(problems)
+                document.refused[key,] = error.problems
     if base is None:
         refuse_replacing(document, document.replacing)
         return document
@@ -140,7 +140,9 @@ def _parsed(text: str, file: str) -> Document:
 
 
 def include(document: Document, key: str, value: str, kind: str) -> None:
-    """Put the content of the file called ``value``, with its own marks, into ``document.data[key]``."""
+    """Load the file named ``value`` (a name or path of this ``kind``) into ``document.data[key]``, with the
+    places of its values in that file.
+    """
     folder = document.files[0].resolve().parent if document.files else Path.cwd()
     found, places = find_include(value, kind, folder)
     if found is None:

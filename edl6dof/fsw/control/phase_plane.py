@@ -4,13 +4,13 @@ Source: Hu et al. 2022, section 3; the switching function is the minimum-time pa
 with a rate lead, widened to a deadband (Bryson, Control of Spacecraft and Aircraft, chapter 7).
 
 Limit cycle without disturbance, with error e, rate w, deadband d, hysteresis h, lead T and acceleration a: a
-firing begins at e = d - w^2/2a - T w on the way out and ends at e = h d + w^2/2a + T w on the way back, so
-that
+firing begins at e = d - w^2/2a - T w on the way out and ends at e = h d + w^2/2a + T w on the way back; half
+a period is the firing, 2 w / a, and the coast between these errors of opposite sign, so that
 
-    2 T w + w^2 / a = (1 - h) d,   amplitude d - T w,   period 4 (d - T w) / w + 4 w / a,
+    2 T w + w^2 / a = (1 - h) d,   amplitude d - T w,   period 4 (d - T w) / w + 2 w / a,
 
 as long as one minimum pulse changes the rate by less than 2 w; after a larger change q the rates before and
-after the pulse add up to q. With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 105 s.
+after the pulse add up to q. With the defaults: w = 0.075 deg/s, amplitude 1.96 deg, period 104 s.
 """
 
 from __future__ import annotations

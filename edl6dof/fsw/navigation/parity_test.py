@@ -77,8 +77,9 @@ def restart_parity_test(params, n_parity, memory):
 
 @kernel
 def parity_test(params, new, lasting, dt, redundant, number, memory):
-    """Run both tests on the increments of a cycle of ``dt`` seconds; ``new`` and ``lasting``: variances of an
-    increment by noise, and by constant errors. Returns the instrument to leave out of the cycle and the one
+    """Test the increments of a cycle of ``dt`` seconds for a sudden error (the parity vector of the cycle)
+    and for a slow one (its mean over ``window``); ``new`` and ``lasting``: variances of an increment by
+    noise, and by constant errors. Returns the instrument to leave out of the cycle and the one
     to exclude for good (``NONE``: none).
     """
     if redundant.n_parity == 0:

@@ -82,6 +82,15 @@ class Results:
         """True for the cases that succeeded, shape (n,)."""
         return self.table["success"].to_numpy(zero_copy_only=False).astype(bool)
 
+    @cached_property
+    def failed(self) -> np.ndarray:
+        """True for the cases whose failure no limit explains: those that failed within all limits, or without
+        a value of every figure that has a limit; shape (n,).
+        """
+        excess = np.array([self[figure] - limit for figure, _, limit, _ in self.limits])
+        explained = np.isfinite(excess).all(axis=0) & (excess > 0.0).any(axis=0) if len(excess) else False
+        return ~(self.ok | explained)
+
     @property
     def success(self) -> Proportion:
         """Share of successes."""

@@ -98,21 +98,18 @@ def differences_table(first: Run, second: Run) -> Table | Text:
 
 
 def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
-    """Draw the curves of several flights in the panels of one figure.
+    """Draw the curves of several flights in the panels of one figure, each of which has one channel.
 
-    Each flight has its own dashes, and each curve its own colour; in a panel of one curve, each flight has.
+    Each flight has its own colour and dashes.
     """
     panels = []
     for index, panel in enumerate(figures[0].panels):
-        alone, traces = len(panel.traces) == 1, list[Trace]()
-        for name, dash, figure in zip(names, cycle(get_args(Dash)), figures, strict=False):
-            for own, like in zip(figure.panels[index].traces, panel.coloured(), strict=True):
-                if alone:
-                    traces.append(replace(own, name=name, dash=dash))
-                else:
-                    traces.append(replace(own, name=f"{own.name}, {name}", dash=dash, colour=like.colour))
-        panels.append(replace(panel, traces=traces))
-    return replace(figures[0], panels=panels)
+        curves = (figure.panels[index].traces[0] for figure in figures)
+        named = zip(curves, names, cycle(get_args(Dash)), strict=False)
+        panels.append(
+            replace(panel, traces=[replace(own, name=name, dash=dash) for own, name, dash in named])
+        )
+    return replace(figures[0], panels=panels, title=f"{figures[0].title} of {len(figures)} flights")
 
 
 def overlaid(first: Figure, second: Figure, names: Sequence[str]) -> Figure:

@@ -244,8 +244,8 @@ def borders(run: Run, entry: Entry) -> list[Border]:
 
 
 def glide(entry: Entry) -> Border:
-    """Return the equilibrium glide, in which full lift up holds the flight-path angle near the ground; NaN
-    above circular speed and without lift.
+    """Return the drag (m/s2) of the equilibrium glide, in which full lift up keeps the flight-path angle
+    constant, with the gravity and radius at the ground; NaN above circular speed and without lift.
     """
     need = entry.gravity - entry.speed**2 / entry.radius
     lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)

@@ -209,8 +209,9 @@ def step(case, tables, plant, outputs, work, t_end):
 
 @kernel
 def finite(y):
-    """True if vehicle states, or derivatives, are finite; those of a canopy need no check, as they act on
-    these.
+    """Return True if all states of the vehicle, or their derivatives, are finite. The states of a canopy are
+    not checked: a canopy acts on the vehicle, so states of a canopy that are not finite make those of the
+    vehicle not finite too.
     """
     total = 0.0
     for i in range(STATES_VEHICLE):

@@ -120,10 +120,13 @@ def branch_problems(branches: Sequence[Branch], thrusters: Sequence[str]) -> dic
         if name not in thrusters
     }
     twice = [name for name in thrusters if given[name] > 1]
-    missing = [name for name in thrusters if given[name] == 0]
+    missing = [name for name in thrusters if branches and given[name] == 0]
     words = [f"{', '.join(twice)} on more than one"] if twice else []
-    words += [f"{', '.join(missing)} on none"] if missing and branches else []
-    if words:
+    words += [f"{', '.join(missing)} on none"] if missing else []
+    if missing and not twice and not problems:  # probably new thrusters
+        place = f"thrusters.{thrusters.index(missing[0])}.name"
+        problems[place] = f"must be on one of vehicle.rcs.branches (got {words[0]})"
+    elif words:
         problems["branches"] = f"every thruster must be on one branch (got {'; '.join(words)})"
     return problems
 

@@ -12,6 +12,7 @@ from cli_run import run, spawn
 
 import edl6dof
 from edl6dof.campaign.design.plan import load_plan
+from edl6dof.config.document.source import resolve_scenario
 from edl6dof.config.plugin_files import is_accepted
 
 
@@ -78,11 +79,12 @@ def test_a_plugin_may_run_and_lands(kind, here):
 def test_a_campaign_disperses_what_the_scenario_has(here, capsys, monkeypatch):
     assert run(capsys, monkeypatch, "new", "campaign", "titan_probe")[0] == 0
     assert run(capsys, monkeypatch, "new", "campaign", "tianwen1")[0] == 0
-    probe, tianwen1 = load_plan("titan_probe_mc.yaml"), load_plan("tianwen1_mc.yaml")
+    probe, tianwen1 = load_plan("titan_probe_mc.yaml"), load_plan("my_tianwen1_mc.yaml")
     assert probe.count == tianwen1.count == 200
     (case,) = tianwen1.cases(0, 1)
     assert any(path.endswith("thrust_n") for path in case.truth)
     assert not any("parachutes" in path or "wind" in path for path in next(iter(probe.cases(0, 1))).truth)
+    assert resolve_scenario("tianwen1_mc").is_absolute(), "it still means the shipped one"
     shipped = next(iter(load_plan("tianwen1_mc").cases(0, 1))).truth
     assert case.truth.keys() <= shipped.keys()
 
@@ -93,6 +95,7 @@ def test_a_campaign_disperses_what_the_scenario_has(here, capsys, monkeypatch):
         (["capsule", "a/b"], "names a folder"),
         (["capsule", "mine", "--rcs", "7"], "come in pairs"),
         (["law", "Mine"], "must be a lower-case identifier"),
+        (["capsule", "msl"], "msl: is the name of a shipped scenario"),
         (["campaign", "nowhere"], "nowhere"),
     ],
 )

@@ -136,3 +136,19 @@ def test_vehicle_without_thrusters_says_so(capsys, monkeypatch, tmp_path):
     picture = tmp_path / "probe.svg"
     code, out, _ = run(capsys, monkeypatch, "show", "titan_probe", "--vehicle", "-o", str(picture))
     assert code == 0 and "has no thrusters" in out and picture.is_file()
+
+
+def test_sections_of_many_flights_are_shown_where_the_scenario_has_them(capsys, monkeypatch):
+    (cases,) = shown(capsys, monkeypatch, "tianwen1_mc", "campaign.cases")
+    assert (cases["value"], cases["origin"].rpartition(":")[0]) == ("1000", "scenarios/tianwen1_mc.yaml")
+    paths = [one["path"] for one in shown(capsys, monkeypatch, "tianwen1_mc", "campaign")]
+    assert "campaign.truth.vehicle.mass.entry_kg.three_sigma" in paths
+    assert shown(capsys, monkeypatch, "tianwen1", "calibration.flights")
+    code, _, err = run(capsys, monkeypatch, "show", "tianwen1", "campaign")
+    assert code == 2 and "tianwen1 has no such section; edl6dof new campaign tianwen1 writes" in err
+    assert run(capsys, monkeypatch, "params", "campaign.sampling")[0] == 0
+
+
+def test_an_end_of_a_path_is_answered_by_the_whole_path(capsys, monkeypatch):
+    code, _, err = run(capsys, monkeypatch, "show", "tianwen1", "mass.entry_kgs")
+    assert code == 2 and "did you mean 'vehicle.mass.entry_kg'?" in err

@@ -52,7 +52,7 @@ def test_an_include_may_be_a_path(tmp_path, package):
 @pytest.mark.parametrize("name", ["x" * 5000, '"a\\0b"', "''", "..", "/"])
 def test_an_impossible_file_name_is_a_problem(tmp_path, package, name):
     with pytest.raises(ConfigError, match="no such file"):
-        read_document(write(tmp_path, "scenarios/a.yaml", f"vehicle: {name}\n"))
+        validate(Toy, read_document(write(tmp_path, "scenarios/a.yaml", f"vehicle: {name}\n")))
 
 
 def test_an_inline_vehicle_is_left_alone(tmp_path, package):
@@ -63,7 +63,7 @@ def test_an_inline_vehicle_is_left_alone(tmp_path, package):
 def test_a_missing_include_names_the_places_and_near_names(tmp_path, package):
     write(tmp_path, "vehicles/capsule.yaml", VEHICLE)
     with pytest.raises(ConfigError) as caught:
-        read_document(write(tmp_path, "scenarios/a.yaml", "title: x\nvehicle: capsul\n"))
+        validate(Toy, read_document(write(tmp_path, "scenarios/a.yaml", "title: x\nvehicle: capsul\n")))
     (problem,) = caught.value.problems
     assert (problem.line, problem.path) == (2, "vehicle")
     assert "did you mean capsule" in problem.message
@@ -81,11 +81,13 @@ def test_mistakes_in_an_included_file_name_that_file(tmp_path, package):
     assert places == {"vehicle.mass.entry_mass_kg": ("capsule.yaml", 2), "sed": ("a.yaml", 5)}
 
 
-def test_all_broken_includes_are_reported_together(tmp_path, package):
+def test_all_broken_includes_are_reported_together_with_mistakes_elsewhere(tmp_path, package):
     write(tmp_path, "vehicles/capsule.yaml", "mass: [\n")
     with pytest.raises(ConfigError) as caught:
-        read_document(write(tmp_path, "scenarios/a.yaml", "vehicle: capsule\nplanet: vulcan\n"))
-    assert len(caught.value.problems) == 2
+        text = "vehicle: capsule\nplanet: vulcan\nseed: -1\n"
+        validate(Toy, read_document(write(tmp_path, "scenarios/a.yaml", text)))
+    places = [(problem.file.rsplit("/", 1)[-1], problem.path) for problem in caught.value.problems]
+    assert places == [("capsule.yaml", ""), ("a.yaml", "planet"), ("a.yaml", "seed")]
 
 
 def test_shipped_files_come_from_repository_share_and_data(package):

@@ -107,6 +107,20 @@ def test_malformed_overrides_and_unknown_paths_are_refused(override):
     assert "\n" not in message
 
 
+@pytest.mark.parametrize(
+    ("path", "meant"),
+    [
+        ("fuel_fraction", "vehicle.mass.fuel_fraction"),
+        ("vehicle.fuel_fraction", "vehicle.mass.fuel_fraction"),
+        ("mass.entry_mas_kg", "vehicle.mass.entry_mass_kg"),
+        ("vehicle.mass.fuel_fraction.share", "vehicle.mass.fuel_fraction"),
+    ],
+)
+def test_a_path_that_leads_nowhere_is_answered_by_a_whole_one(path, meant):
+    with pytest.raises(ConfigError, match=rf"did you mean '{meant}'\?"):
+        changed(f"{path}=0.1")
+
+
 def test_all_refused_overrides_are_reported_together():
     assert len(refusal("sed=1", "seed=", "nothing").splitlines()) == 3
 

@@ -8,6 +8,7 @@ from config_toy import write
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.document.source import parse_document, read_document
 from edl6dof.config.errors import ConfigError
+from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.schema import Scenario
 
 BASE = """\
@@ -48,6 +49,52 @@ def test_named_items_are_laid_over_those_of_the_base_and_new_ones_follow(tmp_pat
         ("base.yaml", 4), ("top.yaml", 4), ("top.yaml", 3)
     ]  # fmt: skip
     assert document.status == {"chutes.1.area": "published"}
+
+
+def test_an_item_of_a_similar_name_with_fewer_keys_is_noted(tmp_path):
+    """One with all keys of the other is meant to be new."""
+    assert extended(tmp_path, "chutes: [{name: maain, area: 3}]").similar == {("chutes", 2): "main"}
+    assert not extended(tmp_path, "chutes: [{name: maain, area: 3, lines: 4}]").similar
+    assert not extended(tmp_path, "chutes: [{name: pilot, area: 3}]").similar
+    assert not extended(tmp_path, "chutes: !replace [{name: maain, area: 3}]").similar
+
+
+def test_a_mapping_cannot_add_an_item(tmp_path):
+    document = extended(tmp_path, "chutes: {maain: {area: 3}, drogue: {area: 2}}")
+    assert [item["area"] for item in document.data["chutes"]] == [2, 5]
+    ((path, (found,)),) = document.refused.items()
+    assert (path, found.line, found.message) == (
+        ("chutes", "maain"), 2, "no entry named 'maain'; did you mean 'main'?"
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("item", "said"),
+    [
+        (
+            "{name: P1x, thrust_n: 30}",
+            "name: is a new entry; did you mean 'P1'? (a new one also needs group, ",
+        ),
+        (
+            "{name: P5, group: fine, position_m: [0, 0, 1], direction: [0, 0, 1], thrust_n: 9, "
+            "specific_impulse_s: 270, minimum_pulse_s: 0.04}",
+            "name: must be on one of vehicle.rcs.branches (got P5 on none)",
+        ),
+    ],
+)
+def test_a_new_thruster_is_reported_where_it_stands(tmp_path, item, said):
+    text = f"extends: tianwen1\nvehicle:\n  rcs:\n    thrusters:\n      - {item}\n"
+    with pytest.raises(ConfigError) as caught:
+        load_scenario(write(tmp_path, "mine.yaml", text))
+    (found,) = caught.value.problems
+    assert (found.file.rsplit("/", 1)[-1], found.line) == ("mine.yaml", 5)
+    assert found.message.startswith(said.partition(": ")[2]) and found.path == "vehicle.rcs.thrusters.22.name"
+
+
+def test_a_part_with_a_mistyped_name_gives_a_warning(tmp_path):
+    text = "extends: tianwen1\nvehicle:\n  parts: [{name: heatshield, mass_kg: 3}]\n"
+    (warning,) = load_scenario(write(tmp_path, "mine.yaml", text)).warnings
+    assert warning.endswith("vehicle.parts.3.name: is a new entry; did you mean 'heat_shield'?")
 
 
 @pytest.mark.parametrize(

@@ -72,16 +72,28 @@ def predicted_rate(p):
     return a * (np.sqrt(lead**2 + (1.0 - p["hysteresis"]) * p["deadband"] / a) - lead)
 
 
+def predicted_period(p):
+    """Two firings of 2 w / a and two coasts between the errors at which they end and begin."""
+    w, a = predicted_rate(p), p["acceleration"]
+    ends = p["deadband"] - w * w / (2.0 * a) - p["lead"] * w
+    return 2.0 * (2.0 * w / a + 2.0 * ends / w)
+
+
 @pytest.mark.parametrize(
-    "deadband_deg, hysteresis, lead", [(2.0, 0.96, 0.5), (2.0, 0.9, 1.0), (4.0, 0.95, 1.0), (1.0, 0.9, 0.5)]
+    "deadband_deg, hysteresis, lead, acceleration",
+    [
+        *((2.0, 0.96, 0.5, 1.2), (2.0, 0.9, 1.0, 1.2), (4.0, 0.95, 1.0, 1.2), (1.0, 0.9, 0.5, 1.2)),
+        (2.0, 0.5, 0.1, 0.05),  # a firing takes a fifth of the period
+    ],
 )
 def test_free_limit_cycle_has_the_amplitude_rate_and_period_of_the_switching_lines(
-    deadband_deg, hysteresis, lead
+    deadband_deg, hysteresis, lead, acceleration
 ):
-    p = settings(deadband_deg=deadband_deg, hysteresis=hysteresis, lead_s=lead)
-    dt, d, a = 0.001, p["deadband"], p["acceleration"]
-    w = predicted_rate(p)
-    period = 4.0 * (d - lead * w) / w + 4.0 * w / a
+    p = settings(
+        deadband_deg=deadband_deg, hysteresis=hysteresis, lead_s=lead, acceleration_deg_s2=acceleration
+    )
+    dt, d = 0.001, p["deadband"]
+    w, period = predicted_rate(p), predicted_period(p)
     error, rate, firing = drive(p, 0.0, w, 3.2 * period, dt=dt)
     assert np.ptp(rate) == pytest.approx(2.0 * w, rel=0.05)
     assert np.max(np.abs(error)) == pytest.approx(d - lead * w, rel=0.005)
@@ -90,14 +102,10 @@ def test_free_limit_cycle_has_the_amplitude_rate_and_period_of_the_switching_lin
 
 
 def test_the_defaults_cycle_as_the_docstring_says(params):
-    w = predicted_rate(params)
-    text = phase_plane.__doc__
+    w, text = predicted_rate(params), phase_plane.__doc__
     assert f"w = {np.degrees(w):.3f} deg/s" in text
     assert f"amplitude {np.degrees(params['deadband'] - params['lead'] * w):.2f} deg" in text
-    assert (
-        "period "
-        f"{4.0 * (params['deadband'] - params['lead'] * w) / w + 4.0 * w / params['acceleration']:.0f} s"
-    ) in text
+    assert f"period {predicted_period(params):.0f} s" in text
 
 
 @pytest.mark.parametrize("pulse", [0.2, pytest.param(0.4, marks=pytest.mark.long)])

@@ -113,10 +113,12 @@ def observe_path(p, memory, nav, lift):
 
 @kernel
 def disturbed_drag(onboard, nav, p, memory, out):
-    """Drag errors and drag dynamics with the observed disturbance (eqs. 14 and 19).
+    """Return the drag errors and the drag dynamics with the observed disturbance (eqs. 14 and 19): (D - D_r,
+    D' - D_r', c, a), in m/s2, m/s3, m/s4 and m/s4.
 
-    Returns (D - D_r, D' - D_r', c, a): the second derivative of the error is c + a cos(bank), with c = b + f
-    d^ - D_r'' for D'' = b + a cos(bank). A disturbance d of the path rate acts as lift does: f = a V/L.
+    Without a disturbance D'' = b + a cos(bank), with the drag D and its reference D_r. The second derivative
+    of the error is c + a cos(bank), with c = b + f w - D_r''. Here w is the estimated disturbance of the
+    flight-path rate (rad/s). It acts like lift, which changes this rate by L cos(bank) / V, so f = a V / L.
     """
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
     lift = nav.drag * onboard.vehicle.lift_to_drag

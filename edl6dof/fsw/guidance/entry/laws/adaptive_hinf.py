@@ -86,7 +86,10 @@ STEP_S = 1.0
 
 
 class AdaptiveHinfParams(PrintedParams):
-    """Adaptive H-infinity tracking of a drag-velocity profile; the paper prints no numbers but rho = 1."""
+    """Adaptive H-infinity tracking of a drag-velocity profile.
+
+    Of these parameters, the paper prints only the value of rho (``control_weight``).
+    """
 
     start_drag_m_s2: float = param(
         4.0, "drag where the profile begins; before, the reference bank is flown", gt=0.0, le=1000.0

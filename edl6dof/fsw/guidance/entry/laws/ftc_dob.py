@@ -42,7 +42,9 @@ def power(x, exponent):
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
-    """Wanted bank angle (rad), eq. 22 with the sign of eq. 20."""
+    """Return the bank angle (rad) that the law demands: eq. 22, with the sign of the reference acceleration
+    from eq. 20, which eq. 22 prints reversed.
+    """
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     p = params

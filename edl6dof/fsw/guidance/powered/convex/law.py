@@ -161,7 +161,9 @@ def first_plan(p, landing, throttled, memory):
 
 @kernel
 def throttled_of(plan):
-    """Time in the throttle band, s; infinite if the whole plan is in it, whatever its length."""
+    """Return the time (s) that a plan spends in the throttle band after its start at full thrust. Without
+    such a start the time is infinite, whatever the duration of the plan.
+    """
     return plan.time - plan.full_time if plan.full_time > 0.0 else inf
 
 
@@ -226,8 +228,9 @@ def make_plan(p, state, nav, target, memory):
 
 @kernel
 def error_of(landing, plan):
-    """Return the distance (m) from the target, if one is required, at which a plan ends, plus the way of one
-    second at its final velocity.
+    """Return the error (m) of the end of a plan: horizontal distance from the target, if a target is
+    required, plus error of height, plus the distance covered in one second at the final velocity, which
+    should be zero.
     """
     miss = plan.miss if landing.miss_price > 0.0 else 0.0
     return miss + plan.height_error + norm(take3(plan.end_velocity, 0))

@@ -46,7 +46,7 @@ GROWN = 1.4
 
 @kernel
 def lay_rows(plan):
-    """Write the factors that give the rows of the glide slope equal length and a gain of at most 1."""
+    """Write the factors that scale the rows of the glide slope to equal length, so that none exceeds 1."""
     common = CLAMPED / (GROWN * plan.time * plan.time) * sqrt(plan.time / CONTROLS)
     at = 0.0
     for k in range(CONTROLS - 1):
