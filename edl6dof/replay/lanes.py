@@ -27,7 +27,7 @@ MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
 #: Labels of states that do not show their names.
-_SHORT = {"firing": _BLANK}
+_SHORT = {"firing": _BLANK, "used": _BLANK}
 
 
 #: Least rate of the rows, Hz.
