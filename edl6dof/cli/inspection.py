@@ -30,6 +30,7 @@ from edl6dof.report.parameters import print_values, select, selected, short
 from edl6dof.report.terminal import open_table
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import CALIBRATION, CAMPAIGN_SECTIONS, load_document
+from edl6dof.scenario.plugin_trial import try_on_plan
 from edl6dof.scenario.schema import Scenario
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ def check_files(files: Sequence[str], sets: Sequence[str]) -> int:
     for name in files:
         try:
             loaded = _loaded(name, tuple(sets))
+            try_on_plan(loaded.scenario)
         except ConfigError as error:
             print(error, file=sys.stderr)
             bad = True

@@ -21,7 +21,7 @@ from edl6dof.fsw.allocation.registry import allocate, compose_demand, no_demand
 from edl6dof.fsw.check_out import check_out, put_off, under_check_out
 from edl6dof.fsw.control.registry import gather_inputs
 from edl6dof.fsw.diagnosis.diagnose import DiagnosisSignals, diagnose, isolate_dead, restart
-from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test
+from edl6dof.fsw.diagnosis.exercise import ExerciseSignals, pair_to_test, thruster_to_close
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.estimation.engine_thrust import engine_shortfall, stuck_throttle
 from edl6dof.fsw.estimation.registry import estimate_disturbance, force_angle, remember_valves
@@ -36,7 +36,14 @@ from edl6dof.fsw.external import (
 )
 from edl6dof.fsw.guidance.phase_guidance import guide, switch_engine
 from edl6dof.fsw.mission import G_AVOID, sequence
-from edl6dof.fsw.modulation import command_valves, excess_torque, modulate, open_alone, open_for_test
+from edl6dof.fsw.modulation import (
+    close_for_test,
+    command_valves,
+    excess_torque,
+    modulate,
+    open_alone,
+    open_for_test,
+)
 from edl6dof.fsw.navigation.derived import derive, filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
@@ -65,7 +72,7 @@ WRITERS = {
     "control": ("gather_inputs", "control"),
     "demand": ("no_demand", "compose_demand"),
     "allocation": ("allocate", "replace_duties"),
-    "modulation": ("open_alone", "modulate", "open_for_test"),
+    "modulation": ("open_alone", "modulate", "open_for_test", "close_for_test"),
     "command": ("run", "sequence", "detect_hazards", "command_angles_and_engine", "command_valves"),
 }
 
@@ -102,13 +109,6 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
     )
     lost = engine_shortfall(params.engine_shortfall, commanded, measured, dt, memory.engine_shortfall)
     state.thrust_lost = lost if state.held_thrust == 0.0 else 0.0
-
-
-@kernel
-def axial_load(unexplained, goal, state):
-    """Return the axial force (N) of air and riser: the part that neither thrusters nor engine explain."""
-    thrust = goal.thrust * (1.0 - state.engine.by_thrusters)
-    return abs(unexplained[0] + thrust) if state.ignited != 0 else abs(unexplained[0])
 
 
 @kernel
@@ -222,8 +222,8 @@ def run(functions, onboard, sensed, k, fsw):
         used=sensed.branch_used,
         effectiveness=effectiveness,
         activity=fsw.estimation.activity,
-        load=axial_load(disturbance.unexplained, goal, state),
         unexplained=disturbance.unexplained,
+        lag=onboard.imu_delay + onboard.estimation.valve_lag,
         t=nav.t,
         dt=control_dt,
         healthy=healthy,
@@ -313,5 +313,8 @@ def run(functions, onboard, sensed, k, fsw):
             open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation)
         if j != NONE:
             open_for_test(j, vehicle, nav.t, control_dt, fsw.modulation)
+        steady = thruster_to_close(onboard.diagnosis.exercise, resting)
+        if steady != NONE:
+            close_for_test(steady, fsw.modulation)
     command_valves(count, fsw.modulation, command)
     remember_valves(fsw.modulation, count, fsw.estimation.activity)

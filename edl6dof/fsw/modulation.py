@@ -97,6 +97,12 @@ def open_for_test(i, vehicle, t, cycle, memory):
 
 
 @kernel
+def close_for_test(i, memory):
+    """Keep valve ``i`` closed during the cycle, independently of the demand."""
+    memory.close_time[i] = memory.open_time[i]
+
+
+@kernel
 def command_valves(count, memory, command):
     """Command the valve intervals of the control cycle."""
     for i in range(count):

@@ -19,7 +19,7 @@ from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.environment.wind_models import table_wind
 from edl6dof.fsw.guidance.entry.air_data import ExpectedWindParams
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.reference import fill_reference
+from edl6dof.fsw.guidance.entry.reference import fill_reference, last_controlled
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.mission import G_NONE, SEQUENCE, enter, sequence
 from edl6dof.fsw.navigation.derived import NAV, model_atmosphere
@@ -73,7 +73,8 @@ def plan(onboard: np.ndarray, scenario: Scenario, tables: np.ndarray) -> np.ndar
         north, east = drift(onboard, scenario, tables, phase, (end["altitude"], *velocity))
         site["aim_latitude"], site["aim_longitude"] = _displaced(onboard[0], -north, -east)
         planned = plan_entry(onboard, scenario, float(onboard[0]["reference"]["shift"]))
-    fill_reference(planned, onboard[0]["reference"])
+    end = last_controlled(planned, onboard[0]["guidance"]["entry"])
+    fill_reference(planned, onboard[0]["reference"], end)
     return planned
 
 

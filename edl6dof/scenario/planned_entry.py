@@ -30,7 +30,7 @@ from edl6dof.interface.capacities import MAX_EVENTS
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.scenario.schema import Scenario, Start, start_of
-from edl6dof.spatial.elementary import asin, atan2
+from edl6dof.spatial.elementary import asin, atan2, cos, sin
 from edl6dof.spatial.frames import fixed_to_ned, geodetic
 from edl6dof.spatial.vector import cross, dot, norm, put3, scale, sub, take3, unit
 
@@ -41,6 +41,11 @@ MAX_ROWS, TOO_LOW = 8000, 4000.0
 #: Accepted miss (m), resolution of cos(bank) (about 1 m of range), and most flights of the search.
 CLOSE, RESOLUTION, MOST_FLIGHTS = 0.5, 1e-5, 60
 
+#: Fields that the rows of a plan and navigated states have in common.
+SHARED = (
+    *("t", "latitude", "longitude", "altitude", "speed", "azimuth"),
+    *("bank", "energy", "mach", "drag", "dynamic_pressure"),
+)
 #: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
 AS_BELIEVED = (1.0, 1.0)
 #: State in F, and inputs, memory and outputs of the flight computer.
@@ -80,6 +85,30 @@ def plan_entry(onboard: np.ndarray, scenario: Scenario, about: float | None = No
 def planned_again(onboard: np.ndarray, scenario: Scenario) -> np.ndarray:
     """Fly the plan with the shift in ``onboard[0]["reference"]``; return its rows, ``PLANNED``."""
     return fly_shifted(onboard[0], start_of(scenario), float(onboard[0]["reference"]["shift"]))
+
+
+def planned_states(onboard: np.ndarray, scenario: Scenario) -> tuple[np.ndarray, np.ndarray]:
+    """States of the plan as inputs of an entry law: ``NAV`` and ``GUIDE`` records, one for each row.
+
+    Attitude, specific force and the inertial axes remain zero.
+    """
+    rows, record = planned_again(onboard, scenario), onboard[0]
+    navs, guides = np.zeros(len(rows), NAV), np.zeros(len(rows), GUIDE)
+    for name in SHARED:
+        navs[name] = rows[name]
+    navs["flight_path_angle"] = rows["path_angle"]
+    navs["lift"] = np.sqrt(np.square(rows["load"]) - np.square(rows["drag"]))
+    navs["height"] = rows["altitude"] - record["site"]["altitude"]
+    navs["radius"] = record["planet"]["equatorial_radius"] + rows["altitude"]
+    navs["gravity"] = record["planet"]["mu"] / np.square(navs["radius"])
+    for nav, guide in zip(navs, guides, strict=True):
+        level = nav["speed"] * cos(nav["flight_path_angle"])
+        down = -nav["speed"] * sin(nav["flight_path_angle"])
+        nav["v_N"] = level * cos(nav["azimuth"]), level * sin(nav["azimuth"]), down
+        guide["range_to_go"], guide["crossrange"], guide["downrange_to_go"] = to_target(record, nav)
+    guides["drag_ratio"], guides["lift_ratio"], guides["side"] = 1.0, 1.0, rows["side"]
+    guides["least_bank"] = record["guidance"]["entry"]["bank_min"]
+    return navs, guides
 
 
 def fly_shifted(record: np.void, start: Start, shift: float) -> np.ndarray:
@@ -236,6 +265,7 @@ def note(onboard, s, here, ahead, target, row):
     there, end = unit(take3(s.r, 0)), atan2(dot(target, ahead), dot(target, here))
     row.beyond = radius * (atan2(dot(there, ahead), dot(there, here)) - end)
     row.aside = radius * asin(dot(there, cross(ahead, here)))
+    row.latitude, row.longitude = nav.latitude, nav.longitude
     row.bank, row.side = s.guide.bank, s.steering.sign
     row.drag, row.load = nav.drag, nav.drag * sqrt(1.0 + lift_to_drag * lift_to_drag)
     row.dynamic_pressure = nav.drag * onboard.vehicle.entry_mass / area

@@ -1,10 +1,15 @@
 """Trial of plugins: each kernel is compiled and called alone, so that a mistake is one line instead of a page
 of the compiler.
+
+Every kernel is called on records of zeros and on made-up numbers.  The chosen entry law and reversal logic
+are called along the planned entry, too, where their results must be finite.  No call may change a record that
+the kernel may only read.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from functools import cache
 from math import prod
 from pathlib import Path
@@ -36,7 +41,9 @@ from edl6dof.fsw.vehicle_state import HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND
 from edl6dof.interface.sensed import SENSED
+from edl6dof.records import first_not_finite, numbers
 from edl6dof.registry import Member
+from edl6dof.scenario.schema import Scenario
 from edl6dof.scenario.truth import CASE
 from edl6dof.vehicle.faults.fault import FAULT
 from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS
@@ -84,34 +91,111 @@ _OF_FAMILY = {
 }
 
 
+#: Arguments that a kernel may write, and those that it may write in some families.
+_WRITTEN = {"memory", "out", "solution", "sensed", "duty", "unallocated"}
+_WRITTEN_IN = {
+    "reversal": {"memory"},
+    "hazard_detector": {"out", "footprint"},
+    "fault_kind": {"command", "plant"},
+}
+#: States of the planned entry on which the laws are tried.
+_STATES = 60
+
+
 @cache
 def try_out() -> None:
-    """Call every kernel of every active plugin once, on records of zeros.
+    """Call every kernel of every active plugin on records of zeros and of made-up numbers.
 
     Raises:
-        ConfigError: kernels that do not compile, fail, or return another type than their family requires.
+        ConfigError: kernels that do not compile, fail, return another type than their family requires, or
+            write what they may only read.
     """
+    _refuse(_complaint)
+
+
+def try_on_plan(scenario: Scenario) -> None:
+    """Call the entry law and the reversal logic that a scenario chooses, if they are plugins, along the
+    planned entry.
+
+    Raises:
+        ConfigError: one of them fails, writes what it may only read, or has a result that is not finite.
+    """
+    if any(phase.guidance == "entry" for phase in scenario.mission.phases):
+        _refuse(lambda *kernel: _on_plan(scenario, *kernel))
+
+
+def _refuse(complain: Callable[[str, Member, str, tuple[str, ...]], str]) -> None:
+    """Raise ``ConfigError`` with what ``complain`` says of the kernels of all active plugins."""
     complaints = [
         Problem(shown(path), 0, 0, role, complaint)
         for path, (key, member) in plugins.ACTIVE.items()
         for role, arguments in plugins.FAMILIES[key].roles.items()
-        if (complaint := _complaint(key, member, role, arguments))
+        if (complaint := complain(key, member, role, arguments))
     ]
     if complaints:
         raise ConfigError(complaints)
 
 
 def _complaint(key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
-    try:
-        value = member.kernels[role](*(_argument(name, key, member) for name in arguments))
-    except NumbaError as error:
-        return f"does not compile: {_first_cause(str(error))}"
-    except KeyError as error:  # how numba reports an unknown field of a record
-        return f"uses a field that its records do not have: {error}"
-    except Exception as error:  # what the user's own code raises
-        return f"fails on records of zeros: {type(error).__name__}: {error}"
+    given = {name: _argument(name, key, member) for name in arguments}
+    value, wrong = _called(key, member.kernels[role], given)
     words, shape = _RETURNS.get((key, role), ("nothing", None))
-    return "" if _has_shape(value, shape) else f"must return {words} (got {type(value).__name__})"
+    if not wrong and not _has_shape(value, shape):
+        return f"must return {words} (got {type(value).__name__})"
+    for field in (one for record in given.values() if _is_record(record) for one in numbers(record)):
+        made_up = np.linspace(0.5, 1.0, field.values.size).reshape(field.values.shape)
+        field.values[...] = 1 if field.is_whole else made_up
+    return wrong or _called(key, member.kernels[role], given)[1]
+
+
+def _on_plan(scenario: Scenario, key: str, member: Member, role: str, arguments: tuple[str, ...]) -> str:
+    from edl6dof.scenario.planned_entry import planned_states
+    from edl6dof.scenario.records import build_onboard
+
+    software = scenario.flight_software.guidance.entry
+    if member.name != {"entry_law": software.law, "reversal": software.reversal.logic}.get(key):
+        return ""
+    onboard = build_onboard(scenario)
+    entry = onboard["guidance"]["entry"]
+    given = {name: _argument(name, key, member) for name in arguments} | {"onboard": onboard}
+    given["params"] = (entry if key == "entry_law" else entry["reversal"])[member.name]
+    if "plan" in arguments:
+        given["plan"] = onboard["plan"][member.name]
+    navs, guides = planned_states(onboard, scenario)
+    for k in np.linspace(0, len(navs) - 1, _STATES).astype(int):
+        given |= {"nav": navs[k : k + 1], "out": guides[k : k + 1]}
+        value, wrong = _called(key, member.kernels[role], {name: given[name] for name in arguments})
+        for name in ("memory", "out"):
+            if not wrong and (place := first_not_finite(given[name])):
+                wrong = f"writes {name}.{place}, which is not finite,"
+        if wrong or not np.isfinite(value):
+            return f"{wrong or f'returns {value}'} at {navs['speed'][k]:.0f} m/s of the planned entry"
+    return ""
+
+
+def _called(key: str, kernel: Callable[..., Any], given: dict[str, Any]) -> tuple[Any, str]:
+    """Result of a kernel, and what is wrong with the call: it fails, or writes what it may only read."""
+    read = {name: given[name] for name in given.keys() - _WRITTEN_IN.get(key, _WRITTEN)}
+    before = {name: record.copy() for name, record in read.items() if isinstance(record, np.ndarray)}
+    try:
+        value = kernel(*(one[0] if _is_record(one) else one for one in given.values()))
+    except NumbaError as error:
+        return None, f"does not compile: {_first_cause(str(error))}"
+    except KeyError as error:  # how numba reports an unknown field of a record
+        return None, f"uses a field that its records do not have: {error}"
+    except Exception as error:  # what the user's own code raises
+        return None, f"fails: {type(error).__name__}: {error}"
+    for name in (name for name, record in before.items() if record.tobytes() != read[name].tobytes()):
+        for old, new in zip(numbers(before[name], name), numbers(read[name], name), strict=True):
+            if old.values.tobytes() != new.values.tobytes():
+                wrong = old.values != new.values
+                was, now = old.values[wrong][0], new.values[wrong][0]
+                return value, f"writes {new.place(wrong)}, which it may only read (was {was:g}, now {now:g})"
+    return value, ""
+
+
+def _is_record(given: Any) -> bool:
+    return isinstance(given, np.ndarray) and given.dtype.names is not None
 
 
 def _has_shape(value: Any, shape: tuple[int, ...] | None) -> bool:
@@ -136,7 +220,10 @@ def _argument(name: str, key: str, member: Member) -> Any:
     layout = own.get(name) or _OF_FAMILY.get((key, name))
     if layout is None and name in _NUMBERS:
         return _NUMBERS[name]
-    return arrays[name] if name in arrays else np.zeros(1, layout or _RECORDS[name])[0]
+    if name in arrays:
+        return arrays[name]
+    zeros = np.zeros(1, layout or _RECORDS[name])
+    return zeros if _is_record(zeros) else float(zeros[0])
 
 
 def _first_cause(text: str) -> str:

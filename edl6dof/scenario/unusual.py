@@ -39,6 +39,12 @@ def unusual_in(scenario: Scenario) -> dict[str, str]:
     found |= {"terrain.site_latitude_deg": far} if far else {}
     if scenario.vehicle.rcs.thrusters and not scenario.vehicle.tanks:
         found["vehicle.rcs.thrusters"] = "the vehicle has no tank (vehicle.tanks), so no thruster ever fires"
+    entry = scenario.flight_software.guidance.entry
+    if entry.law == "fnpeg" and "logic" not in entry.reversal.model_fields_set:
+        found["flight_software.guidance.entry.law"] = (
+            f"fnpeg plans its own reversals, but reversal.logic is not set, so {entry.reversal.logic} "
+            "chooses the side: set reversal.logic to own_sign to fly the planned reversals"
+        )
     return found
 
 

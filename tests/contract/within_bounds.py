@@ -16,13 +16,16 @@ from edl6dof.environment.terrain import ground
 from edl6dof.environment.wind import wind
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, share_out
-from edl6dof.fsw.diagnosis.residual import RESIDUAL, WINDOW, without_slow_part
+from edl6dof.fsw.diagnosis.diagnose import DiagnosisParams
+from edl6dof.fsw.diagnosis.residual import DELAY, ORDER, RESIDUAL, add_signature, whiten
+from edl6dof.fsw.estimation.registry import ACTIVITY
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.drag_velocity import profile_range
 from edl6dof.fsw.guidance.entry.laws.etpc import at_speed
 from edl6dof.fsw.guidance.entry.range_update import range_scale
 from edl6dof.fsw.guidance.entry.reference import node_of
 from edl6dof.fsw.navigation.derived import model_atmosphere
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.sensed import SENSED
 from edl6dof.sensors.imu import DEPTH, READINGS, ImuParams, measure
 from edl6dof.vehicle.aerodynamics.capsule import capsule_coefficients
@@ -57,15 +60,17 @@ def flown_by(case, tables, onboard, x):
 
 
 def rings(case, tables, plant, outputs):
-    """Readings that are under way with the longest delay, and the residual's window, for more than a turn."""
+    """Readings under way with the longest delay, and the rings of the residual, for more than a turn."""
     readings, sensed = np.zeros(1, READINGS)[0], np.zeros(1, SENSED)[0]
     params = in_si(ImuParams(delay_cycles=DEPTH - 1))
     for _ in range(2 * DEPTH + 1):
         measure(params, params, case, tables, plant, outputs, readings, sensed)
-    memory = np.zeros(1, RESIDUAL)[0]
-    for _ in range(2 * WINDOW + 1):
-        known = without_slow_part(1.0, np.zeros(6), 0.04, memory)
-    assert (readings["taken"], known) == (2 * DEPTH + 1, 2 * WINDOW + 1)
+    memory, activity = np.zeros(1, RESIDUAL)[0], np.zeros(1, ACTIVITY)[0]
+    turns = 2 * (DELAY + ORDER + 1) + 1
+    for _ in range(turns):
+        whiten(in_si(DiagnosisParams()), np.ones(6), activity, MAX_THRUSTERS, memory)
+        add_signature(MAX_THRUSTERS - 1, np.ones(6), memory)
+    assert (readings["taken"], memory["taken"]) == (2 * DEPTH + 1, turns)
 
 
 def allocation(onboard):

@@ -103,9 +103,11 @@ def test_force_and_torque_feign_no_fault_where_there_are_no_meters(tool, without
 
 
 def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_none(tool):
-    """Where diagnosis without meters breaks it falls silent: tools/diagnosis_limits.py."""
-    unit = "sensors.inertial_unit.vibration"
-    strong = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
+    """Where diagnosis without meters breaks it falls silent: tools/diagnosis_limits.py. A tone can be
+    predicted; a random vibration cannot.
+    """
+    unit = "sensors.inertial_unit.vibration.random"
+    strong = (*WITHOUT_METERS, f"{unit}.acceleration_g0=2.2", f"{unit}.rate_deg_s=1.4")
     plan = load_plan("tianwen1_mc", strong, cases=FLIGHTS)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     assert often(dead, lambda row: not row["name_right"])

@@ -1,6 +1,7 @@
 """Reversals at slow bank rates: the range that rolling through lift up adds is known before it is flown."""
 
 import json
+from itertools import product
 
 import pytest
 
@@ -63,3 +64,17 @@ def test_fnpeg_moves_its_reversal_to_where_range_and_crossrange_together_are_lea
     own = f"{ENTRY}.reversal.logic=own_sign"
     assert flown(5.0, "fnpeg", own)["parachute_miss_m"] / 1e3 < 1.1 * floor < 24.0
     assert flown(7.0, "fnpeg", own)["parachute_miss_m"] < 2e3
+
+
+@pytest.mark.long
+def test_at_5_deg_s_the_aim_point_of_yan2016_is_out_of_reach():
+    """Why ``fnpeg`` misses it: flights around the nearest one that a search among 240 found, 5.9 km away."""
+    rate = ["point_mass.bank_rate_deg_s=5.0", f"{ENTRY}.bank_rate_deg_s=5.0"]
+    sets = ["mission.goal=deployment", "point_mass.bank_response=rate_limited", *rate]
+    sets += [f"{ENTRY}.reversal.logic=own_sign", f"{ENTRY}.law=bank_profile"]
+    misses = []
+    for first, speed in product((155.0, 170.0), (5600.0, 5654.0)):
+        points = [{"at": speed - 1.0, "bank_deg": -110.0}, {"at": speed + 1.0, "bank_deg": first}]
+        own = f"{ENTRY}.bank_profile={json.dumps({'points': points})}"
+        misses.append(edl6dof.fly("yan2016", [*sets, own]).figures["parachute_miss_m"])
+    assert 5.5e3 < min(misses) < 7e3

@@ -5,8 +5,8 @@ whose prior is the price of a false alarm; a fault is isolated when the confiden
 in a row. A dead thruster is then not used any more; a thruster that has lost little thrust is reported and
 stays in use. A thruster that stays open is shut off by the latch valve of its branch, and the other thrusters
 of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the latch valve is
-moved for either fault, unless the slow part of the residual excludes a leak: a thruster that does not respond
-may be stuck open or closed.
+moved when force and torque show the opening of a valve, and before a thruster that does not respond is
+isolated: it may be stuck open or closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
 in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
@@ -34,8 +34,8 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     compare,
     forget_all,
     kind_of,
+    suspect_leak,
     update_evidence,
-    weights,
 )
 from edl6dof.fsw.diagnosis.leak_isolation import (
     HEALTHY,
@@ -47,13 +47,15 @@ from edl6dof.fsw.diagnosis.leak_isolation import (
     start_leak_isolation,
     step_leak_isolation,
 )
-from edl6dof.fsw.diagnosis.residual import RESIDUAL, product, restart_residual, without_slow_part
-from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
+from edl6dof.fsw.diagnosis.residual import RESIDUAL, is_settled, restart_residual, whiten
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, record, whole
 
 MAX_ISOLATED = 8
+OPEN_LOSS = 0.7  # apparent loss of thrust from which the valve may as well be open
+FLOW_MEMORY = 12.0  # cycles of use
 #: Names of the kinds of fault, by number.
 KIND_NAMES = {number: name.replace("_", " ") for number, name in enumerate(THRUSTER_FAILURES, 1)}
 
@@ -62,30 +64,17 @@ class DiagnosisParams(Params):
     """Diagnosis of thruster faults."""
 
     enabled: bool = param(True, "whether thrusters are diagnosed and taken out of use")
-    load_noise: float = param(
-        0.01,
-        "fluctuation of lateral force (and of pitch and yaw torque, m), divided by the axial "
-        "force of air and riser",
-        status="estimate",
-        ge=0.0,
-    )
-    load_noise_roll: float = param(
-        0.001,
-        "fluctuation of roll torque, divided by the axial force of air and riser",
-        status="estimate",
-        ge=0.0,
-    )
     torque_noise_nm: float = param(
-        4.0, "torque residual of a healthy vehicle about an axis", status="estimate", gt=0.0
+        0.5, "smallest torque residual of a healthy vehicle about an axis", status="estimate", gt=0.0
     )
     force_noise_n: float = param(
-        8.0, "lateral force residual of a healthy vehicle along an axis", status="estimate", gt=0.0
+        2.0, "smallest lateral force residual of a healthy vehicle along an axis", status="estimate", gt=0.0
     )
     model_error: float = param(
         0.1, "relative error of thrust and inertia of the on-board model", status="estimate", ge=0.0, le=1.0
     )
     memory_cycles: float = param(
-        12.0, "memory of the evidence, in cycles in which the thruster was used", gt=1.0
+        200.0, "memory of the evidence, in cycles in which the thruster was used", gt=1.0
     )
     prior: float = param(
         16.0,
@@ -101,7 +90,9 @@ class DiagnosisParams(Params):
     loss_dead: float = param(
         0.85, "fraction of thrust lost from which a thruster counts as stuck off", gt=0.0, le=1.0
     )
-    slow_s: float = param(0.4, "time constant of the mean residual, the slow disturbance", gt=0.0)
+    onset: float = param(
+        5.0, "evidence of an opening valve from which the latch valve of its branch is moved", gt=0.0
+    )
     exercise: ExerciseParams = group(ExerciseParams, "opposed test pulses in hazard avoidance")
     flow: FlowParams = group(FlowParams, "evidence of the flow meters")
 
@@ -116,7 +107,6 @@ ISOLATED = record(
 )
 DIAGNOSIS = record(
     ("residual", RESIDUAL),
-    ("missing", RESIDUAL, (MAX_BRANCHES,)),  # force and torque missing while a meter reads a loss
     ("hypotheses", HYPOTHESES),
     ("flow", FLOW),
     ("leak", LEAK),
@@ -137,8 +127,8 @@ class DiagnosisSignals(NamedTuple):
         used: counts of the flow meters at the end of the measured cycle, kg.
         effectiveness: force and torque of each thruster at full thrust, rows of 6 (N, N m).
         activity: ``ACTIVITY`` record: commanded action of the thrusters in the measured cycle.
-        load: axial force of air and riser, N.
         unexplained: force and torque of the measured cycle that the commands do not explain (6; N, N m, B).
+        lag: time by which a command precedes its effect in ``unexplained``, s.
         t: present time, s.
         dt: control cycle, s.
         healthy: updated, 0 for a thruster out of use.
@@ -150,8 +140,8 @@ class DiagnosisSignals(NamedTuple):
     used: Any
     effectiveness: Any
     activity: Any
-    load: Any
     unexplained: Any
+    lag: Any
     t: Any
     dt: Any
     healthy: Any
@@ -163,12 +153,8 @@ WRITES = ("healthy",)
 
 @kernel
 def restart(memory):
-    """Reset the evidence and the slow disturbance, as after a change of the vehicle or of the forces
-    on it.
-    """
+    """Reset the evidence, as after a change of the vehicle or of the forces on it."""
     restart_residual(memory.residual)
-    for b in range(MAX_BRANCHES):
-        restart_residual(memory.missing[b])
     forget_all(memory.hypotheses)
     memory.streak = 0
 
@@ -239,10 +225,9 @@ def continue_leak_isolation(params, signals, memory):
     elif found == HEALTHY:
         reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
-        if best.kind == STUCK_OFF or best.kind == DEGRADED:
+        memory.streak = 0
+        if best.kind == STUCK_OFF or best.kind == DEGRADED:  # not suspected of leaking, or voided by an event
             isolate_most_probable(params, signals, memory)
-        else:  # suspected of leaking, or an event has voided all evidence
-            restart(memory)
 
 
 @kernel
@@ -258,48 +243,21 @@ def update_streak(params, before, memory):
 
 
 @kernel
-def may_leak(params, signals, residual, best):
-    """Return whether the suspected thruster, of a branch without a meter, may be stuck open: its effect is in
-    the slow part, or air and riser may have hidden it.
-    """
-    b, weight = signals.effectiveness[best.thruster], weights(params, residual.slow, 0.0)
-    held = product(residual.slow, b, weight) > 0.5 * product(b, b, weight)
-    return best.kind == STUCK_ON or held or params.load_noise * signals.load > params.force_noise
-
-
-@kernel
-def filter_missing_wrench(params, signals, memory):
-    """Compute the force and torque that the branches lack while their meters read a loss, and filter them as
-    the residual is filtered.
-    """
-    vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
-    for b in range(vehicle.branches.count):
-        missing = memory.missing[b]
-        for j in range(6):
-            missing.value[j] = 0.0
-        if memory.flow.shows_loss[b] != 0:
-            for i in range(vehicle.n_thrusters):
-                if vehicle.branches.of[i] == b:
-                    for j in range(6):
-                        missing.value[j] += share[i] * effectiveness[i, j]
-        without_slow_part(params.slow, missing.value, signals.dt, missing)
-
-
-@kernel
 def diagnose(params, signals, memory):
     """Run one control cycle of diagnosis on ``DiagnosisSignals`` with ``memory`` (``DIAGNOSIS``)."""
     best, flow, vehicle, metered = memory.hypotheses, memory.flow, signals.vehicle, signals.metered
-    share = signals.activity.share
-    known = without_slow_part(params.slow, signals.unexplained, signals.dt, memory.residual)
+    share, residual = signals.activity.share, memory.residual
+    whiten(params, signals.unexplained, signals.activity, vehicle.n_thrusters, residual)
     if params.enabled == 0:
         return
     if metered and read_meters(
         params.flow, signals.instruments, vehicle, signals.used, share, dt=signals.dt, memory=flow
     ):
-        keep = 1.0 - 1.0 / params.memory_cycles
+        keep = 1.0 - 1.0 / FLOW_MEMORY
         update_flow_evidence(params.flow, keep, vehicle, share, memory.leak.latch_closed, memory=flow)
-    if metered:
-        filter_missing_wrench(params, signals, memory)
+    settled = is_settled(residual)
+    if settled:
+        update_evidence(params, signals, residual, flow, best)
     if memory.leak.branch != NONE:
         continue_leak_isolation(params, signals, memory)
         return
@@ -308,21 +266,21 @@ def diagnose(params, signals, memory):
         exclude_meter(impossible, signals.t, memory)
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
-        if known > 0:
-            update_evidence(params, signals, memory.residual, memory.missing, flow, memory=best)
         before = (best.thruster, best.kind)
         compare(params, vehicle, metered, signals.healthy, flow, memory=best)
         update_streak(params, before, memory)
+        if settled:
+            suspect_leak(params, signals, residual, flow, best)
+        no_response = memory.streak >= params.streak and best.loss > OPEN_LOSS
         suspected = vehicle.branches.of[best.thruster]
-        if (
-            memory.streak >= params.streak
-            and not is_read(metered, suspected, flow)
-            and may_leak(params, signals, memory.residual, best)
-        ):
+        if (best.kind == STUCK_ON or no_response) and not is_read(metered, suspected, flow):
             leaking, metered_leak = suspected, False
     if leaking != NONE:
-        start_leak_isolation(params, signals, leaking, metered_leak, memory.residual, memory=memory.leak)
+        # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
+        # thruster that does not respond has failed in any case
+        doubt = 1.5 * params.prior if best.kind == STUCK_ON else 0.0
+        start_leak_isolation(signals, leaking, metered_leak, doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)
-    elif best.meter != NONE and known > 0:
+    elif best.meter != NONE and settled:
         exclude_meter(best.meter, signals.t, memory)

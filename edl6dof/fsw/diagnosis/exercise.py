@@ -3,10 +3,13 @@ the vehicle neither turns nor moves sideways unless one of them fails.
 
 A thruster that is not used cannot be known to work. Each thruster is tested once in every phase and again
 after a long rest. In hazard avoidance a fault of any thruster has to be found within a second, while guidance
-uses only some of them at a time: each horizontal pair that has rested for a while is tested in turn. If
-thrust is missing, each thruster of the pair is at once tested alone, and another one of the same branch is
-fired to check the flow meter; where the propellant may be the cause of the loss, thrusters of other branches
-are tested. A test of two 250 N thrusters costs 8 g of propellant.
+uses only some of them at a time: each horizontal pair that has rested for a while is tested in turn. If flow
+is missing, each thruster of the pair is at once tested alone, and another one of the same branch is fired to
+check the flow meter; where the propellant may be the cause of the loss, thrusters of other branches are
+tested. If force and torque leave a thruster in doubt, the pair fires again when the last pulse has been
+measured, until they decide: a train of pulses, as only their edges differ from a disturbance. A suspect that
+fires steadily is closed for a cycle at a time instead. A test of two 250 N thrusters costs 8 g of propellant.
+A 25 N thruster is tested alone while the opposite one is in use.
 
 Source: none; Hu et al. 2022 wait for the thruster to be used.
 """
@@ -18,8 +21,9 @@ from typing import Any, NamedTuple
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.diagnosis.flow_evidence import NONE, is_waiting, needs_trial
 from edl6dof.fsw.diagnosis.hypotheses import NOTHING
+from edl6dof.fsw.diagnosis.residual import fires_steadily
 from edl6dof.interface.capacities import MAX_THRUSTERS
-from edl6dof.interface.effectors import HORIZONTAL, STUCK_ON
+from edl6dof.interface.effectors import FINE, HORIZONTAL, STUCK_ON
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 
@@ -129,6 +133,25 @@ def branch_is_measured(b, signals, memory):
 
 
 @kernel
+def suspect(params, diagnosis):
+    """Return the thruster that force and torque suspect of a loss, or ``NONE``; ``diagnosis``: ``DIAGNOSIS``
+    record.
+    """
+    best = diagnosis.hypotheses
+    suspected = best.kind not in (NOTHING, STUCK_ON) and best.evidence > params.suspicion
+    return best.thruster if suspected and not needs_trial(best.thruster, diagnosis.flow) else NONE
+
+
+@kernel
+def thruster_to_close(params, signals):
+    """Return the suspected thruster if it fires steadily, to be closed for a control cycle; or ``NONE``."""
+    i, valves = suspect(params, signals.diagnosis), signals.valves
+    if params.enabled == 0 or i == NONE or signals.healthy[i] == 0 or valves.busy_until[i] > signals.t:
+        return NONE
+    return i if fires_steadily(i, signals.diagnosis.residual) else NONE
+
+
+@kernel
 def retest(params, signals, memory):
     """Return the thruster to test alone, of several the one longest without use, and ``NONE``; or the
     suspected thruster and its opposite; or twice ``NONE``.
@@ -151,16 +174,11 @@ def retest(params, signals, memory):
             rested, oldest = i, memory.used[i]
     if rested != NONE:
         return rested, NONE
-    best = diagnosis.hypotheses
-    i = best.thruster
-    if (
-        best.kind in (NOTHING, STUCK_ON)
-        or best.evidence <= params.suspicion
-        or needs_trial(i, diagnosis.flow)
-    ):
+    i = suspect(params, diagnosis)
+    if i == NONE:
         return NONE, NONE
     j = opposite(signals.effectiveness, vehicle.n_thrusters, i)
-    if is_free(i, signals) and is_free(j, signals):
+    if is_free(i, signals) and is_free(j, signals) and is_measured(i, signals, memory):
         return i, j
     return NONE, NONE
 
@@ -177,12 +195,13 @@ def longest_rested(params, signals, waiting, memory):
         due = t - params.rest if often else max(signals.start, t - params.every)
         if memory.used[i] < min(due, oldest) and not needs_trial(i, signals.diagnosis.flow):
             j = opposite(effectiveness, vehicle.n_thrusters, i)
-            if (
-                is_free(i, signals)
-                and is_free(j, signals)
+            alone = vehicle.thrusters[i].group == FINE and not is_free(j, signals)
+            if is_free(i, signals) and (
+                alone
+                or is_free(j, signals)
                 and abs(effectiveness[i, 0] + effectiveness[j, 0]) <= AXIAL_SHARE * signals.axial
             ):
-                first, second, oldest = i, j, memory.used[i]
+                first, second, oldest = i, NONE if alone else j, memory.used[i]
     return first, second
 
 

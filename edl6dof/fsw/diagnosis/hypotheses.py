@@ -1,18 +1,17 @@
 """Hypotheses about single thrusters and the evidence for each, from force and torque and from the flow.
 
-A thruster i of effectiveness b_i (force and torque at full thrust) that was commanded to fire for the share e
-of a cycle causes the residual
-
-    off - L e b_i if it loses the fraction L of its thrust (L = 1: stuck off) on + (1 - e) b_i if its valve
-    stays open
+A thruster that was commanded to fire and has lost the fraction L of its thrust leaves L times its signature
+in the innovations of :mod:`edl6dof.fsw.diagnosis.residual`. A valve that stays open does so with L = 1
+whenever its thruster is commanded; in addition its opening leaves the signature of a step.
 
 The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with the
-weighted sum of squares S of the residual over n cycles, and S' of the residual less the prediction of the
-hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
+weighted sum of squares S of the innovations over n cycles, and S' of the innovations less the prediction of
+the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
 independent; S0 is the sum that the errors of the onboard models explain. A disturbance unlike a thruster,
-however large, leaves S' near S and is no evidence: the air in lift control and the riser under the parachute
-only raise the noise level. Only cycles in which a hypothesis predicts a residual count for it, and its sums
-are reset whenever the evidence contradicts it, so the time of the fault need not be known (Page's test).
+however large, leaves S' near S and is no evidence; for a loss, a cycle counts the less, the more of its
+innovation the hypothesis does not explain. Only cycles in which a hypothesis predicts an innovation count for
+it, and its sums are reset whenever the evidence contradicts it, so the time of the fault need not be known
+(Page's test).
 
 Where a flow meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force
 and torque. The loss of flow then has several explanations, which compete by their posterior odds. Each fault
@@ -24,10 +23,10 @@ flow, the log odds are, without one P that all explanations have in common,
     the branch, or its meter       the others show the same loss           F + f_b        F
     the thruster, another as well  the others show the same loss           F + f_i - P
 
-f_i is the evidence of force and torque for a loss of thruster i, f_b for none of the branch giving thrust.
+f_i is the evidence of force and torque for a loss of thruster i, f_b for none of the branch giving thrust,
+whose signature is the sum of those of its thrusters.
 One failed meter, or one latch valve stuck shut, is thus more likely by P than two failed thrusters; between a
-meter and a thruster or branch, force and torque decide. f_b is computed from the residual and from the force
-and torque that the branch lacks since its meter reads a loss, both without their slow part.
+meter and a thruster or branch, force and torque decide.
 
 Evidence of force and torque for a loss without a loss of flow means a failed catalyst; it is reduced by P /
 2.
@@ -43,7 +42,6 @@ from __future__ import annotations
 from edl6dof.fsw.diagnosis.flow_evidence import (
     CONFIRMED,
     LARGEST,
-    LEAST_USE,
     NONE,
     UNCHECKED,
     confirmed_loss,
@@ -52,7 +50,14 @@ from edl6dof.fsw.diagnosis.flow_evidence import (
     is_read,
     is_waiting,
 )
-from edl6dof.fsw.diagnosis.residual import product
+from edl6dof.fsw.diagnosis.residual import (
+    AXES,
+    TAPS,
+    WINDOW,
+    add_signature,
+    clear_signature,
+    compare_signature,
+)
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON
 from edl6dof.kernels import kernel
@@ -60,18 +65,19 @@ from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
 COMPONENTS = 2.0
-LEAST_SEEN = 1.0  # weighted square of the wrench that a branch lacks from which a cycle counts
+LEAST_SEEN = 0.05  # weighted square of a signature from which a cycle counts
+OUTLIER = 25.0  # weighted square of the unexplained innovation that halves the weight of a cycle
+ONSET = 25.0  # weighted square of two innovations from which the opening of a valve is looked for
 
 #: No kind of fault.
 NOTHING = 0
 
-#: Weighted sums over the cycles that count: residual times prediction, prediction squared, residual squared;
-#: number of cycles.
+#: Weighted sums over the cycles that count: innovation times prediction, prediction squared, innovation
+#: squared; number of cycles.
 SUMS = record(("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8"))
 
 HYPOTHESES = record(
     ("off", SUMS, (MAX_THRUSTERS,)),
-    ("on", SUMS, (MAX_THRUSTERS,)),
     ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
     # the most probable hypothesis of the last cycle
     ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
@@ -87,15 +93,26 @@ HYPOTHESES = record(
 
 
 @kernel
-def collect(sums, keep, signature, along, square, every):
-    """Add a cycle to the sums of a hypothesis that predicts the residual ``signature`` times the
-    effectiveness; ``along``, ``square`` and ``every``: weighted products residual times effectiveness,
-    effectiveness squared and residual squared; ``keep``: factor on the sums so far.
+def trust(along, square, every):
+    """Return the weight of a cycle for a loss of unknown size: the less, the more of the innovation the
+    hypothesis does not explain; arguments as of :func:`collect`.
     """
-    sums.cross = keep * sums.cross + signature * along
-    sums.own = keep * sums.own + signature * signature * square
-    sums.all = keep * sums.all + every
-    sums.cycles = keep * sums.cycles + 1.0
+    explained = max(along, 0.0) ** 2 / square if square > 0.0 else 0.0
+    return 1.0 / (1.0 + max(every - explained, 0.0) / OUTLIER)
+
+
+@kernel
+def collect(sums, keep, along, square, every, share):
+    """Add a cycle with the weight ``share`` to the sums of a hypothesis; ``along``, ``square`` and ``every``:
+    weighted products innovation times prediction, prediction squared and innovation squared; ``keep``: factor
+    on the sums so far.
+    """
+    if square < LEAST_SEEN:
+        return
+    sums.cross = keep * sums.cross + share * along
+    sums.own = keep * sums.own + share * square
+    sums.all = keep * sums.all + share * every
+    sums.cycles = keep * sums.cycles + share
 
 
 @kernel
@@ -109,7 +126,6 @@ def forget_all(memory):
     """Reset every hypothesis."""
     for i in range(MAX_THRUSTERS):
         forget(memory.off[i])
-        forget(memory.on[i])
     for b in range(MAX_BRANCHES):
         forget(memory.dead[b])
     memory.kind, memory.evidence, memory.confidence = NOTHING, 0.0, 0.0
@@ -138,31 +154,7 @@ def may_reach(least, sums, size):
 
 
 @kernel
-def weights(params, wrench, load):
-    """Return the weights of a squared residual: of lateral force (1/N2), roll torque and pitch-yaw torque
-    (1/(N m)2).
-
-    Args:
-        params: diagnosis record.
-        wrench: commanded force and torque of the thrusters (6; N, N m), of which a fraction is model error.
-        load: axial force of air and riser, N; their lateral force and torque fluctuate by a fraction of it,
-            the roll torque by much less.
-    """
-    own = params.model_error * params.model_error
-    force = own * (wrench[1] * wrench[1] + wrench[2] * wrench[2])
-    torque = own * (wrench[3] * wrench[3] + wrench[4] * wrench[4] + wrench[5] * wrench[5])
-    air = (params.load_noise * load) ** 2
-    roll = (params.load_noise_roll * load) ** 2
-    least = params.torque_noise * params.torque_noise
-    return (
-        1.0 / (params.force_noise * params.force_noise + force + air),
-        1.0 / (least + torque + roll),
-        1.0 / (least + torque + air),
-    )
-
-
-@kernel
-def update_evidence(params, signals, residual, missing, flow, memory):
+def update_evidence(params, signals, residual, flow, memory):
     """Add one cycle to the evidence of every hypothesis with a prediction. Where there are meters, a loss
     counts only while the thruster fires alone in its branch, so that force, torque and flow use the same
     cycles.
@@ -170,33 +162,84 @@ def update_evidence(params, signals, residual, missing, flow, memory):
     Args:
         params: diagnosis record.
         signals: ``DiagnosisSignals``.
-        residual: ``RESIDUAL`` record: unexplained force and torque.
-        missing: ``RESIDUAL`` record of each branch: force and torque that it lacks while its meter reads a
-            loss.
+        residual: ``RESIDUAL`` record.
         flow: ``FLOW`` record.
         memory: ``HYPOTHESES`` record, updated.
     """
-    vehicle, activity, effectiveness = signals.vehicle, signals.activity, signals.effectiveness
-    weight = weights(params, activity.wrench, signals.load)
+    vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     keep = 1.0 - 1.0 / params.memory_cycles
-    every = product(residual.value, residual.value, weight)
+    every = residual.square[(residual.taken - 1) % WINDOW]
     for i in range(vehicle.n_thrusters):
-        share = activity.share[i]
-        along = product(residual.value, effectiveness[i], weight)
-        square = product(effectiveness[i], effectiveness[i], weight)
-        expected = flow.expected[vehicle.branches.of[i]]
-        alone = not signals.metered or fires_alone(expected, share * full_flow(vehicle.thrusters[i]))
-        if share > LEAST_USE and alone:
-            collect(memory.off[i], keep, signature=-share, along=along, square=square, every=every)
-        if share < 1.0 - LEAST_USE:
-            collect(memory.on[i], keep, signature=1.0 - share, along=along, square=square, every=every)
-    for b in range(vehicle.branches.count):
-        square = product(missing[b].value, missing[b].value, weight)
+        if residual.idle[i] >= TAPS or signals.healthy[i] == 0:
+            continue
+        if signals.metered:
+            expected = flow.expected[vehicle.branches.of[i]]
+            if expected > 0.0 and not fires_alone(expected, share[i] * full_flow(vehicle.thrusters[i])):
+                continue
+        clear_signature(residual)
+        add_signature(i, effectiveness[i], residual)
+        along, square = compare_signature(residual)
+        collect(memory.off[i], keep, along, square, every, share=trust(along, square, every))
+    for b in range(vehicle.branches.count if signals.metered else 0):
         if flow.shows_loss[b] == 0:
             forget(memory.dead[b])
-        elif square > LEAST_SEEN:
-            along = product(residual.value, missing[b].value, weight)
-            collect(memory.dead[b], keep, -1.0, along, square, every=every)
+            continue
+        clear_signature(residual)
+        for i in range(vehicle.n_thrusters):
+            if vehicle.branches.of[i] == b:
+                add_signature(i, effectiveness[i], residual)
+        along, square = compare_signature(residual)
+        collect(memory.dead[b], keep, along, square, every, share=trust(along, square, every))
+
+
+@kernel
+def onset_evidence(i, effectiveness, residual):
+    """Return the evidence that the valve of thruster ``i`` has opened within the oldest stored cycle and
+    stays open.
+
+    The share of that cycle for which it was open is the one in 0 to 1 that fits best.
+    """
+    first = residual.taken - WINDOW
+    pp = ps = ss = ep = es = every = (
+        0.0  # p: signature of that cycle, s: of the following cycles, e: innovation
+    )
+    for j in range(WINDOW):
+        row = (first + j) % WINDOW
+        every += residual.square[row]
+        for c in range(AXES):
+            p = residual.filter[j, c] * (1.0 - residual.share[first % TAPS, i])
+            s = 0.0
+            for m in range(1, j + 1):
+                s += residual.filter[j - m, c] * (1.0 - residual.share[(first + m) % TAPS, i])
+            p, s = p * effectiveness[c + 1], s * effectiveness[c + 1]
+            weight, e = residual.weight[row, c], residual.value[row, c]
+            pp, ps, ss = pp + weight * p * p, ps + weight * p * s, ss + weight * s * s
+            ep, es = ep + weight * e * p, es + weight * e * s
+    open_share = min(max((ep - ps) / pp, 0.0), 1.0) if pp > 0.0 else 0.0
+    explained = 2.0 * (es + open_share * ep) - ss - open_share * (2.0 * ps + open_share * pp)
+    floor = COMPONENTS * WINDOW
+    if explained <= 0.0:
+        return 0.0
+    return 0.5 * COMPONENTS * WINDOW * log((every + floor) / (max(every - explained, 0.0) + floor))
+
+
+@kernel
+def suspect_leak(params, signals, residual, flow, memory):
+    """Make the opening of a valve the best hypothesis if the stored innovations show one in a branch without
+    a meter. Its confidence stays low: moving the latch valve decides. The first cycles of a dead thruster
+    resemble the opening of the opposite one; so its evidence has to be twice that of the best loss.
+    """
+    oldest = residual.taken - WINDOW
+    if residual.square[oldest % WINDOW] + residual.square[(oldest + 1) % WINDOW] < ONSET:
+        return
+    most = max(params.onset, 2.0 * memory.evidence)
+    for i in range(signals.vehicle.n_thrusters):
+        if signals.healthy[i] != 0 and not is_read(signals.metered, signals.vehicle.branches.of[i], flow):
+            found = onset_evidence(i, signals.effectiveness[i], residual)
+            if found > most:
+                most = found
+                memory.thruster, memory.branch, memory.kind, memory.loss = i, NONE, STUCK_ON, 0.0
+                memory.evidence, memory.confidence = found, 0.0
 
 
 @kernel
@@ -216,26 +259,6 @@ def loss_evidence(params, sums, least, afresh):
     if not may_reach(least, sums, loss):
         return 0.0, 0.0
     return loss, evidence(sums, loss)
-
-
-@kernel
-def stuck_on_evidence(sums, least):
-    """Return the evidence that a valve stays open, 0 if below ``least``; contrary evidence resets the
-    sums.
-    """
-    if sums.own > 2.0 * sums.cross:  # the prediction enlarges the residual: the logarithm would be negative
-        forget(sums)
-    return evidence(sums, 1.0) if sums.cycles > 0.0 and may_reach(least, sums, 1.0) else 0.0
-
-
-@kernel
-def evidence_by_thrust(params, sums_off, sums_on, least):
-    """Return (kind, loss, evidence) of the more probable fault of a thruster, by force and torque alone."""
-    loss, off = loss_evidence(params, sums_off, least, True)
-    on = stuck_on_evidence(sums_on, least)
-    if on > off:
-        return STUCK_ON, 0.0, on
-    return kind_of(params, loss), loss, off
 
 
 @kernel
@@ -294,10 +317,10 @@ def compare(params, vehicle, metered, healthy, flow, memory):
     meters and "no fault".
 
     Of each thruster only the most probable fault counts: which thruster has failed matters more than how.
-    Evidence below half the prior is noise: all thrusters together would have less than one per cent of
-    probability with it.
+    Evidence below a quarter of the prior is noise: all thrusters together would have less than one per cent
+    of probability with it.
     """
-    best, total, least = 0.0, exp(params.prior), 0.5 * params.prior
+    best, total, least = 0.0, exp(params.prior), 0.25 * params.prior
     for b in range(vehicle.branches.count):
         memory.against[b] = memory.lost[b] = 0.0
     waiting = metered and is_waiting(vehicle.branches, flow)
@@ -313,7 +336,8 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             if by_flow > 0.0:
                 most = weigh_explanations(params, flow, memory, b, (loss, most, by_flow))
         else:
-            kind, loss, most = evidence_by_thrust(params, memory.off[i], memory.on[i], least)
+            loss, most = loss_evidence(params, memory.off[i], least, True)
+            kind = kind_of(params, loss)
         if most >= least:
             total += exp(most)
             if most > best:

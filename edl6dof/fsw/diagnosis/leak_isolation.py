@@ -2,16 +2,14 @@
 torque shows which thruster has stopped.
 
 The meter of a branch detects a flow that was not commanded within two cycles, and the branch is closed at
-once, its healthy thrusters included. The leak shows in changes of the unexplained force and torque: when it
-begins, and each time the latch valve moves. Each such change c, a look, is compared with the effect b_i of
-each thruster i of the branch: over n looks the sum of squares S_i of c - b_i gives the evidence n (m / 2)
-ln((S + S0) / (S_i + S0)) as in :mod:`edl6dof.fsw.diagnosis.hypotheses`. A change within some tenths of a
-second is hardly disturbed by air or riser; where one look does not decide, the branch is opened and closed
-again, and leaks meanwhile.
+once, its healthy thrusters included. Then the latch valve is opened and closed again at changing intervals:
+the thrust of a leak follows it, that of air and riser does not. The movements give each thruster of the
+branch a known signature in the whitened residual, and hence evidence as in
+:mod:`edl6dof.fsw.diagnosis.hypotheses`; each movement adds to it, and the test goes on until it decides.
 
 If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again.
-Without a meter, a leak is suspected of any thruster that does not respond by force and torque; the branch is
-used again if nothing changes when it is closed.
+Without a meter, a leak is suspected when force and torque show that a valve opens, and of any thruster that
+does not respond; the branch is used again if nothing changes when it is closed.
 
 Source: none; to switch an input on and off in order to separate its effect from drifts is the lock-in
 technique of measurement.
@@ -20,19 +18,18 @@ technique of measurement.
 from __future__ import annotations
 
 from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget, weights
-from edl6dof.fsw.diagnosis.residual import WINDOW, product
+from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget
+from edl6dof.fsw.diagnosis.residual import AXES, TAPS, WINDOW, compare_signature, is_settled
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import exp
 
 UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
-#: Control cycles after a movement of the latch valve that are not used, and the following ones that make a
-#: look.
+#: Control cycles after a movement of the latch valve whose flow is not used, and the following ones that make
+#: a look.
 MIXED, LOOK = 1, 3
-SURELY_BEFORE = 5  # cycles: so long ago a leak just detected had not begun
-LEAST_LOOKS = 3  # in one or two looks an opening parachute can resemble another thruster
+LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
 
 LEAK = record(
@@ -40,14 +37,12 @@ LEAK = record(
     ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
     ("candidate", FLAG, (MAX_THRUSTERS,)),  # thrusters of the branch that were in use
     ("metered", FLAG),  # a meter shows that one of them leaks
+    ("doubt", "f8"),  # without a meter, log prior odds that none leaks
     ("open", FLAG),  # the latch valve is open
     ("cycles", COUNT),  # since the latch valve moved
     ("looks", COUNT),
-    ("before", "f8", (6,)),  # N, N m: mean unexplained wrench before the latch valve moved
-    ("after", "f8", (6,)),  # N, N m: mean after
+    ("level", "f8", (TAPS,)),  # share of each cycle for which the latch valve was open, a ring
     ("flow", "f8"),  # kg/s: mean flow read after
-    # share of the cycle before in which each thruster was commanded closed, so that a leak shows
-    ("idle", "f8", (MAX_THRUSTERS,)),
     ("sums", SUMS, (MAX_THRUSTERS,)),
     ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
 )
@@ -65,88 +60,70 @@ def leaking_branch(params, vehicle, healthy, flow):
 
 
 @kernel
-def mean_of(residual, first, last, mean):
-    """Write the mean unexplained force and torque of the cycles from ``last`` to ``first`` cycles ago."""
-    for j in range(6):
-        mean[j] = 0.0
-        for back in range(first, last + 1):
-            mean[j] += residual.recent[(residual.taken - back) % WINDOW, j] / (last - first + 1)
-
-
-@kernel
-def compare_change(params, signals, sign, memory):
-    """Add a look: compare the change of the wrench with ``sign`` times the effect of each candidate; +1: the
-    leak has begun, -1: it has stopped.
-    """
-    weight = weights(params, signals.activity.wrench, signals.load)
-    before, after = memory.before, memory.after
-    change = (
-        0.0,
-        after[1] - before[1],
-        after[2] - before[2],
-        after[3] - before[3],
-        after[4] - before[4],
-        after[5] - before[5],
-    )
-    every = product(change, change, weight)
-    for i in range(signals.vehicle.n_thrusters):
-        if memory.candidate[i] != 0:
-            b = signals.effectiveness[i]
-            along, square = product(change, b, weight), product(b, b, weight)
-            signature = sign * memory.idle[i]
-            collect(memory.sums[i], 1.0, signature, along, square, every=every)
-    memory.looks += 1
-
-
-@kernel
-def start_leak_isolation(params, signals, b, metered, residual, memory):
-    """Close branch ``b`` to isolate a leak; the beginning of the leak is the first look if its meter shows it
-    (``metered``).
+def start_leak_isolation(signals, b, metered, doubt, memory):
+    """Take branch ``b`` out of use to isolate a leak, and close it if its meter shows the leak (``metered``);
+    ``doubt``: otherwise the log prior odds that no thruster leaks.
     """
     vehicle, healthy = signals.vehicle, signals.healthy
-    memory.metered = 1 if metered else 0
-    memory.branch, memory.open, memory.cycles, memory.looks, memory.flow = b, 0, 0, 0, 0.0
+    memory.metered, memory.doubt = 1 if metered else 0, doubt
+    memory.branch, memory.looks, memory.flow = b, 0, 0.0
+    memory.open, memory.cycles = 0 if metered else 1, MIXED + LOOK
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
-        memory.idle[i] = 1.0 - signals.activity.share[i]
         on_branch = vehicle.branches.of[i] == b
         memory.candidate[i] = 1 if on_branch and healthy[i] != 0 else 0
         if on_branch:
             healthy[i] = 0
-    memory.latch_closed[b] = 1
-    mean_of(residual, 1, 1, memory.after)
-    if metered and residual.taken >= SURELY_BEFORE + LOOK:
-        mean_of(residual, SURELY_BEFORE, SURELY_BEFORE + LOOK - 1, memory.before)
-        compare_change(params, signals, 1.0, memory)
-    restart_look(residual, memory)
+    memory.latch_closed[b] = 1 - memory.open
+    for j in range(TAPS):
+        memory.level[j] = memory.open
 
 
 @kernel
-def restart_look(residual, memory):
-    """Take the last cycles as those before a movement of the latch valve."""
-    mean_of(residual, 1, 1 if memory.looks < 2 else LOOK, memory.before)
-    for j in range(6):
-        memory.after[j] = 0.0
-    memory.flow, memory.cycles = 0.0, 0
+def is_commanded(count, residual, memory):
+    """Return whether the latest innovation depends on commands to a candidate."""
+    idle = TAPS
+    for i in range(count):
+        if memory.candidate[i] != 0:
+            idle = min(idle, residual.idle[i])
+    return idle < TAPS
+
+
+@kernel
+def add_cycle(signals, residual, memory):
+    """Add a cycle to the evidence that each candidate leaks, unless an event has just changed the forces."""
+    newest, count = residual.taken - 1, signals.vehicle.n_thrusters
+    moved = min(max(memory.cycles - signals.lag / signals.dt, 0.0), 1.0)
+    memory.level[newest % TAPS] = moved if memory.open != 0 else 1.0 - moved
+    every = residual.square[newest % WINDOW]
+    for i in range(count if is_settled(residual) else 0):
+        if memory.candidate[i] != 0:
+            for c in range(AXES):
+                level = 0.0
+                for j in range(TAPS):
+                    level += residual.filter[j, c] * memory.level[(newest - j) % TAPS]
+                residual.signature[c] = level * signals.effectiveness[i, c + 1]
+            along, square = compare_signature(residual)
+            collect(memory.sums[i], 1.0, along, square, every, share=1.0)
 
 
 @kernel
 def most_probable(count, memory):
-    """Find the best candidate. Returns its probability among the candidates; without a meter "none leaks" is
-    one more.
+    """Find the best candidate. Returns its evidence, and its probability among the candidates; without a
+    meter "none leaks" is one more.
     """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            found = evidence(memory.sums[i], 1.0)
+            found = evidence(memory.sums[i], 1.0) if memory.sums[i].cycles > 0.0 else 0.0
             if found > most:
                 total = total * exp(most - found) + 1.0
                 memory.best, most = i, found
             else:
                 total += exp(found - most)
     if memory.metered == 0:
-        total += exp(min(-most, LARGEST))
-    return 1.0 / total
+        total += exp(min(memory.doubt - most, LARGEST))
+    return most, 1.0 / total
 
 
 @kernel
@@ -154,26 +131,24 @@ def step_leak_isolation(params, signals, flow, residual, memory):
     """Run one control cycle of leak isolation. Returns the result (``UNDER_WAY`` until it is decided) and its
     confidence.
 
-    The time between looks varies, as a canopy that breathes at the frequency of the looks would resemble a
-    thruster.
+    The time between movements varies, as a canopy that breathes at their frequency would resemble a thruster.
     """
     b, count = memory.branch, signals.vehicle.n_thrusters
+    if memory.looks == 0 and is_commanded(count, residual, memory):
+        return UNDER_WAY, 0.0
     memory.cycles += 1
+    add_cycle(signals, residual, memory)
     if MIXED < memory.cycles <= MIXED + LOOK:
-        for j in range(6):
-            memory.after[j] += signals.unexplained[j] / LOOK
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles == MIXED + LOOK:
         if memory.open == 0 and is_impossible(b, memory.flow, flow):
             return METER_FAILED, 1.0
-        sign = 1.0 if memory.open != 0 else -1.0
-        compare_change(params, signals, sign, memory)
-        for i in range(count):
-            memory.idle[i] = 1.0
-        confidence = most_probable(count, memory)
-        if memory.metered == 0 and confidence < 1.0 - params.confidence:
+        memory.looks += 1
+        most, confidence = most_probable(count, memory)
+        if memory.metered == 0 and exp(most) < 1.0 - params.confidence:
             return HEALTHY, confidence
-        if memory.looks >= LEAST_LOOKS and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
+        least = LEAST_LOOKS - memory.metered
+        if memory.looks >= least and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
             if memory.metered == 0 and confidence < params.confidence:
                 return HEALTHY, confidence
             memory.open = 0
@@ -182,7 +157,7 @@ def step_leak_isolation(params, signals, flow, residual, memory):
     if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
         memory.open = 1 - memory.open
         memory.latch_closed[b] = 1 - memory.open
-        restart_look(residual, memory)
+        memory.flow, memory.cycles = 0.0, 0
     return UNDER_WAY, 0.0
 
 

@@ -1,66 +1,214 @@
-"""Residuals of diagnosis: the unexplained force and torque less their slow part, and the weight of each
-component.
+"""Whitened residual of diagnosis: the part of the unexplained lateral force and torque that cannot be
+predicted from its past, and the signature that a thruster fault leaves in it.
 
-The slow part, which no thruster fault explains, is the mean of the time before the last fifteen cycles. The
-slow part contains the steady effect of an older fault, but not that of a younger one. An old leak is then
-indistinguishable from a dead thruster: either shows only in that it does not respond, and the latch valve has
-to separate them (:mod:`edl6dof.fsw.diagnosis.leak_isolation`).
+Air, riser and the vibration of the engine disturb the vehicle far more than a small thruster does, but most
+of this disturbance is predictable over a control cycle: the air within a second, the vibration as a tone. The
+change x of the unexplained force or torque per cycle is modelled as autoregressive for each component,
+
+    x_k = a_1 x_(k-1) + ... + a_n x_(k-n) + e_k
+
+and diagnosis uses the innovation e, whose variance shows the size of the unpredictable part. A fault adds to
+the unexplained wrench its effect b times a known level s_k (the share of the cycle in which thrust is
+missing), hence to the innovation
+
+    b (1 - z^-1) (1 - a_1 z^-1 - ... - a_n z^-n) s
+
+The coefficients follow from running covariances of x by the Levinson-Durbin recursion, one component per
+cycle. A fault must not change the model that judges it: in the covariances each innovation is limited to a
+few standard deviations, and they end ``DELAY`` cycles ago.
+
+Sources: Basseville & Nikiforov 1993, chapter 7 (additive changes: likelihood ratio of the innovations); Box,
+Jenkins & Reinsel, Time Series Analysis, chapter 3 (Yule-Walker equations, recursion); Martin & Thomson 1982,
+Proc. IEEE 70(9) (limited innovations).
 """
 
 from __future__ import annotations
 
-from edl6dof.kernels import kernel
-from edl6dof.records import COUNT, FLAG, record
+from math import sqrt
 
-# control cycles by which the mean lags behind: a fault has so long to be found before it is taken for a
-# disturbance
-WINDOW = 15
-LEAST_MEAN = 3  # cycles that make up the first mean after a restart
+from edl6dof.interface.capacities import MAX_THRUSTERS
+from edl6dof.kernels import kernel
+from edl6dof.records import COUNT, record
+
+AXES = 5  # components: lateral force y, z and torque x, y, z; engine and drag disturb the axial force
+ORDER = 4  # of the autoregressive model: drift and one tone
+TAPS = ORDER + 2  # of the filter from the unexplained wrench to the innovation
+DELAY = 6  # cycles: longest onset of a fault, in which the model does not adapt to it yet
+WINDOW = 4  # innovations that are stored, for the onset of a leak
+MEMORY = 60.0  # cycles of the covariances: 2.4 s
+CLIP = 3.0  # standard deviations to which an innovation counts in the covariances
+WHITE = 1.005  # factor on the variance of x, which limits the range of the spectrum that is removed
+LARGEST_REFLECTION = 0.98
+STEADY = 0.99  # share of a cycle from which a thruster counts as open throughout
 
 RESIDUAL = record(
-    ("value", "f8", (6,)),  # force and torque of the last cycle less the slow part
-    ("slow", "f8", (6,)),
-    ("recent", "f8", (WINDOW, 6)),
-    ("taken", COUNT),  # cycles since the last restart
-    ("restarted", FLAG),  # not in the free fall at the start any more
+    ("taken", COUNT),  # cycles
+    ("settled", COUNT),  # cycles since the last restart
+    ("last", "f8", (AXES,)),  # N, N m: unexplained wrench of the last cycle
+    ("change", "f8", (ORDER + 1, AXES)),  # N, N m: x, the latest first
+    ("usual", "f8", (DELAY + ORDER + 1, AXES)),  # N, N m: x with limited innovations, a ring
+    ("covariance", "f8", (AXES, ORDER + 1)),  # N2, (N m)2: of the limited x, by lag
+    ("predictor", "f8", (AXES, ORDER)),  # a_1 to a_n of each component
+    ("variance", "f8", (AXES,)),  # N2, (N m)2: of the innovation
+    ("filter", "f8", (TAPS, AXES)),  # from the unexplained wrench to the innovation, the latest first
+    ("share", "f8", (TAPS, MAX_THRUSTERS)),  # of the cycle in which each thruster was commanded, a ring
+    ("wrench", "f8", (TAPS, AXES)),  # N, N m: commanded, a ring
+    ("idle", COUNT, (MAX_THRUSTERS,)),  # cycles since each thruster was commanded
+    ("value", "f8", (WINDOW, AXES)),  # N, N m: innovations, a ring
+    ("weight", "f8", (WINDOW, AXES)),  # 1/N2, 1/(N m)2: inverse variances of these
+    ("square", "f8", (WINDOW,)),  # weighted sums of squares of these
+    ("signature", "f8", (AXES,)),  # N, N m: innovation that a fault predicts
 )
 
 
 @kernel
 def restart_residual(memory):
-    """Reset the slow part: the vehicle or the forces on it have changed."""
-    memory.taken, memory.restarted = 0, 1
+    """Wait until the filter has passed a change of the vehicle or of the forces on it."""
+    memory.settled = 0
 
 
 @kernel
-def without_slow_part(time_constant, unexplained, dt, memory):
-    """Subtract the slow part of the ``unexplained`` force and torque of the last cycle (6; N, N m). Returns
-    for how many cycles the slow part has been known (0: not yet). ``time_constant``: of the mean, s.
+def is_settled(memory):
+    """Return whether the filter and the stored innovations date from after the last restart."""
+    return memory.settled > TAPS + WINDOW
 
-    At the start of the flight, in free fall, the slow part counts as zero.
+
+@kernel
+def predict_by_covariance(covariance, predictor):
+    """Write the coefficients that predict a series with these covariances (by lag, the variance first) into
+    ``predictor`` (Levinson-Durbin recursion).
     """
-    row = memory.taken % WINDOW
-    older = memory.taken - WINDOW
+    left = WHITE * covariance[0]
+    if left <= 0.0:
+        return
+    for m in range(ORDER):
+        rest = covariance[m + 1]
+        for j in range(m):
+            rest -= predictor[j] * covariance[m - j]
+        reflection = min(max(rest / left, -LARGEST_REFLECTION), LARGEST_REFLECTION)
+        for j in range((m + 1) // 2):
+            first, last = predictor[j], predictor[m - 1 - j]
+            predictor[j] = first - reflection * last
+            predictor[m - 1 - j] = last - reflection * first
+        predictor[m] = reflection
+        left *= 1.0 - reflection * reflection
+
+
+@kernel
+def update_filter(c, memory):
+    """Compute predictor and filter of component ``c`` again, from its covariances."""
+    predict_by_covariance(memory.covariance[c], memory.predictor[c])
+    before = 1.0
+    memory.filter[0, c] = 1.0
+    for j in range(ORDER):
+        memory.filter[j + 1, c] = -memory.predictor[c, j] - before
+        before = -memory.predictor[c, j]
+    memory.filter[ORDER + 1, c] = -before
+
+
+@kernel
+def update_statistics(c, least, memory):
+    """Add the latest change of component ``c``, its innovation limited, to the ring and to the variance of
+    the innovation, and the change ``DELAY`` cycles ago to the covariances; ``least``: smallest standard
+    deviation of the innovation.
+    """
+    size, k = DELAY + ORDER + 1, memory.taken
+    usual = 0.0
+    for j in range(ORDER):
+        usual += memory.predictor[c, j] * memory.usual[(k - 1 - j) % size, c]
+    limit = CLIP * sqrt(memory.variance[c] + least * least)
+    limited = min(max(memory.change[0, c] - usual, -limit), limit)
+    memory.variance[c] += (limited * limited - memory.variance[c]) / MEMORY
+    memory.usual[k % size, c] = usual + limited
+    older = memory.usual[(k - DELAY) % size, c]
+    for j in range(ORDER + 1):
+        product = older * memory.usual[(k - DELAY - j) % size, c]
+        memory.covariance[c, j] += (product - memory.covariance[c, j]) / MEMORY
+
+
+@kernel
+def whiten(params, unexplained, activity, count, memory):
+    """Add a cycle: the innovation of each component, its weight, and then the model.
+
+    Args:
+        params: diagnosis record.
+        unexplained: force and torque of the measured cycle that the commands do not explain (6; N, N m, B).
+        activity: ``ACTIVITY`` record of the measured cycle; a fraction of its wrench is model error.
+        count: number of thrusters.
+        memory: ``RESIDUAL`` record, updated.
+    """
+    k = memory.taken
+    row, new = k % TAPS, k % WINDOW
+    for i in range(count):
+        memory.share[row, i] = activity.share[i]
+        memory.idle[i] = 0 if activity.share[i] > 0.0 else memory.idle[i] + 1
+    memory.square[new] = 0.0
+    for c in range(AXES):
+        for j in range(ORDER, 0, -1):
+            memory.change[j, c] = memory.change[j - 1, c]
+        memory.change[0, c] = unexplained[c + 1] - memory.last[c] if k > 0 else 0.0
+        memory.last[c] = unexplained[c + 1]
+        memory.wrench[row, c] = activity.wrench[c + 1]
+        innovation, commanded = memory.change[0, c], 0.0
+        for j in range(ORDER):
+            innovation -= memory.predictor[c, j] * memory.change[j + 1, c]
+        for j in range(TAPS):
+            commanded += memory.filter[j, c] * memory.wrench[(row - j) % TAPS, c]
+        least, error = least_noise(params, c), params.model_error * commanded
+        weight = 1.0 / (memory.variance[c] + least * least + error * error)
+        memory.value[new, c], memory.weight[new, c] = innovation, weight
+        memory.square[new] += weight * innovation * innovation
+        update_statistics(c, least, memory)
+    update_filter(k % AXES, memory)
     memory.taken += 1
-    if older >= 0 or memory.restarted == 0:
-        step = min(dt / time_constant, 1.0)
-        if memory.restarted != 0:
-            step = max(step, 1.0 / (older + 1.0))
-        for j in range(6):
-            memory.slow[j] += step * (memory.recent[row, j] - memory.slow[j])
-    for j in range(6):
-        memory.recent[row, j] = unexplained[j]
-        memory.value[j] = unexplained[j] - memory.slow[j]
-    return memory.taken if memory.restarted == 0 else max(older + 1 - LEAST_MEAN, 0)
+    memory.settled += 1
 
 
 @kernel
-def product(a, b, weight):
-    """Return the weighted scalar product of two wrenches without their axial force, which engine and drag
-    disturb.
+def least_noise(params, c):
+    """Return the smallest standard deviation of the innovation of component ``c``, N or N m."""
+    return params.force_noise if c < 2 else params.torque_noise
+
+
+@kernel
+def add_signature(i, effectiveness, memory):
+    """Add the innovation that a thruster ``i`` without thrust causes to ``memory.signature``;
+    ``effectiveness``: its force and torque (6; N, N m).
     """
-    return (
-        weight[0] * (a[1] * b[1] + a[2] * b[2])
-        + weight[1] * a[3] * b[3]
-        + weight[2] * (a[4] * b[4] + a[5] * b[5])
-    )
+    newest = memory.taken - 1
+    for j in range(TAPS):
+        share = memory.share[(newest - j) % TAPS, i]
+        if share != 0.0:
+            for c in range(AXES):
+                memory.signature[c] -= share * memory.filter[j, c] * effectiveness[c + 1]
+
+
+@kernel
+def fires_steadily(i, memory):
+    """Return whether thruster ``i`` was commanded throughout the cycles that the filter contains: it then
+    leaves no signature.
+    """
+    least = 1.0
+    for j in range(TAPS):
+        least = min(least, memory.share[j, i])
+    return least > STEADY
+
+
+@kernel
+def clear_signature(memory):
+    """Set ``memory.signature`` to zero."""
+    for c in range(AXES):
+        memory.signature[c] = 0.0
+
+
+@kernel
+def compare_signature(memory):
+    """Return the weighted products of the latest innovation with ``memory.signature`` and of this with
+    itself.
+    """
+    new, along, square = (memory.taken - 1) % WINDOW, 0.0, 0.0
+    for c in range(AXES):
+        predicted = memory.weight[new, c] * memory.signature[c]
+        along += predicted * memory.value[new, c]
+        square += predicted * memory.signature[c]
+    return along, square

@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from math import sqrt
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,11 @@ from edl6dof import plugins
 from edl6dof.config.document.locate import find_shipped
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.plugin_files import accept
-from edl6dof.kernels import cache
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.kernels import cache, kernel
+from edl6dof.registry import Member
+from edl6dof.scenario.loading import load_scenario
+from edl6dof.scenario.plugin_trial import try_on_plan
 
 EXAMPLE = Path(__file__).parents[3] / "scenarios" / "plugin" / "energy_law.py"
 
@@ -172,6 +177,14 @@ WRONG = [
     (LAW, "return 0.5", "return nav.bonk", "guide: uses a field that its records do not have: .bonk"),
     (LAW, "return 0.5", "return nav.speed.bonk", "guide: does not compile: Unknown attribute.*bonk"),
     (LAW, "return 0.5", "return 1, 2", r"guide: must return a bank angle \(float\) \(got tuple\)"),
+    (
+        *(LAW, "return 0.5", "nav.speed = 3.0\n    return 0.5"),
+        r"guide: writes nav.speed, which it may only read \(was 0, now 3\)",
+    ),
+    (
+        *(LAW, "return 0.5", "onboard.planet.mu *= 2.0\n    return 0.5"),
+        r"guide: writes onboard.planet.mu, which it may only read \(was 0.5",
+    ),
     (ESTIMATOR, "out.pole = 1.0 / dt", "return out.pole", "estimate: must return nothing"),
     (ESTIMATOR, "out.pole", "measured.bonk", "estimate: uses a field that its records do not have: .bonk"),
 ]
@@ -191,6 +204,55 @@ def test_kernels_that_do_not_fit_are_refused_before_the_simulator_is_compiled(tm
     assert len(lines) == len(WRONG), error
     for number, (line, (*_, message)) in enumerate(zip(lines, WRONG, strict=True)):
         assert f"wrong_{number}.py" in line and re.search(message, line)
+
+
+@kernel
+def _writes_when_slow(params, plan, onboard, nav, memory, out):
+    if nav.speed < 2000.0:
+        nav.drag = 1.0
+    return 0.5
+
+
+@kernel
+def _infinite_when_slow(params, plan, onboard, nav, memory, out):
+    out.reference_drag = 1.0 / max(nav.speed - 2000.0, 0.0)
+    return 0.5
+
+
+@kernel
+def _no_number_when_slow(params, plan, onboard, nav, memory, out):
+    return sqrt(nav.speed - 2000.0)
+
+
+@kernel
+def _all_is_well(params, plan, onboard, nav, memory, out):
+    out.reference_drag, memory.unused = nav.drag, nav.speed
+    return 0.5
+
+
+@pytest.mark.parametrize(
+    ("guide", "message"),
+    [
+        (
+            _writes_when_slow,
+            r"guide: writes nav.drag, which it may only read \(was [\d.]+, now 1\) at 1\d{3} m/s of the plan",
+        ),
+        (_infinite_when_slow, r"guide: writes out.reference_drag, which is not finite, at 1\d{3} m/s"),
+        (_no_number_when_slow, r"guide: returns nan at 1\d{3} m/s of the planned entry"),
+        (_all_is_well, ""),
+    ],
+)
+def test_law_is_tried_along_the_planned_entry(monkeypatch, guide, message):
+    """A write or a result that only some states show; the law takes the name of one of the package."""
+    scenario = load_scenario("tianwen1", ["flight_software.guidance.entry.law=constant_bank"]).scenario
+    member = ENTRY_LAWS.member("constant_bank")
+    tried = Member("constant_bank", member.params, {"guide": guide}, "made up")
+    monkeypatch.setattr(plugins, "ACTIVE", {Path("mine.py"): ("entry_law", tried)})
+    if message:
+        with pytest.raises(ConfigError, match=message):
+            try_on_plan(scenario)
+    else:
+        try_on_plan(scenario)
 
 
 def test_name_of_a_law_of_the_package_is_refused(tmp_path):

@@ -1,6 +1,6 @@
 """Entry guidance against an independently integrated point mass, quadrature and vector geometry."""
 
-from math import atan2, cos, pi, radians, sin, sqrt
+from math import atan2, cos, exp, log, pi, radians, sin, sqrt
 
 import numpy as np
 import pytest
@@ -9,7 +9,11 @@ from scipy.integrate import quad, solve_ivp
 
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.airframe import mach_nodes
-from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import (
+    drag_dynamics,
+    drag_dynamics_in_air,
+    measured_drag_dynamics,
+)
 from edl6dof.fsw.guidance.entry.range_update import range_scale, scaled, tracking
 from edl6dof.fsw.guidance.entry.reference import REFERENCE
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY
@@ -73,6 +77,59 @@ def test_drag_derivatives_are_those_of_an_integrated_trajectory(altitude, speed,
     assert a == pytest.approx((second[0.9] - second[-0.3]) / 1.2, rel=1e-3)
     assert b == pytest.approx(second[0.0], rel=1e-3, abs=1e-5)
     assert a < 0.0  # lift up lowers drag
+
+
+@pytest.mark.parametrize("cos_bank", [0.5, -0.2])
+@pytest.mark.parametrize("altitude, speed, climb", [(30e3, 4800.0, -900.0), (15e3, 2500.0, -250.0)])
+def test_drag_derivatives_hold_in_the_expected_wind_and_where_the_scale_height_changes(
+    onboard, altitude, speed, climb, cos_bank
+):
+    """Towards the east over a sphere, in a tail wind that grows with height; five-point differences of the
+    integrated drag.  In still air of one scale height the derivatives would be wrong by many times as much.
+    """
+    record, scale, change, wind = onboard[0], 8000.0, -0.1, (20.0, 1e-3)
+    air, vehicle = record["atmosphere"], record["vehicle"]
+    heights = air["bottom"] + air["spacing"] * np.arange(len(air["ln_density"]))
+    held = -np.log(np.maximum(scale + change * heights, 100.0) / scale) / change
+    air["ln_density"], air["wind_north"], air["wind_east"] = held - 4.0, 0.0, wind[0] + wind[1] * heights
+    vehicle["airframe"]["drag"] = 1.0
+    altitude = heights[round((altitude - air["bottom"]) / air["spacing"])] + 0.5 * air["spacing"]
+
+    def through(s):
+        east, up = s[1] - wind[0] - wind[1] * s[0], s[2]
+        size = np.hypot(east, up)
+        density = exp(-log((scale + change * s[0]) / scale) / change - 4.0)
+        return 0.5 * density * size**2 / BALLISTIC, east / size, up / size
+
+    def rates(t, s):
+        r, (drag, east, up) = RADIUS + s[0], through(s)
+        lift = LIFT_TO_DRAG * drag * cos_bank
+        forward = -drag * east - lift * up
+        return [s[2], forward - s[1] * s[2] / r, -drag * up + lift * east + s[1] ** 2 / r - MU / r**2]
+
+    h, start = 0.2, [altitude, sqrt(speed**2 - climb**2), climb]
+    m2, m1, zero, p1, p2 = (
+        through(solve_ivp(rates, (0.0, k * h), start, rtol=1e-12, atol=1e-9).y[:, -1])[0]
+        if k
+        else through(start)[0]
+        for k in (-2, -1, 0, 1, 2)
+    )
+    first = (8.0 * (p1 - m1) - (p2 - m2)) / (12.0 * h)
+    second = (16.0 * (p1 + m1) - (p2 + m2) - 30.0 * zero) / (12.0 * h * h)
+    nav = np.zeros(1, NAV)[0]
+    nav["altitude"], nav["radius"], nav["gravity"] = (
+        altitude,
+        RADIUS + altitude,
+        MU / (RADIUS + altitude) ** 2,
+    )
+    nav["speed"], nav["drag"], nav["v_N"], nav["mach"] = speed, zero, (0.0, start[1], -climb), speed / 230.0
+    nav["flight_path_angle"] = np.arcsin(climb / speed)
+    errors = []
+    vehicle["lift_to_drag"], vehicle["airframe"]["lift"] = LIFT_TO_DRAG, 1.0
+    still = measured_drag_dynamics(record, nav, LIFT_TO_DRAG * zero)
+    for rate, a, b in (drag_dynamics_in_air(record, nav), still):
+        errors.append((abs(rate - first), abs(b + a * cos_bank - second)))
+    assert errors[0][0] < 0.1 * errors[1][0] and errors[0][1] < 0.3 * errors[1][1]
 
 
 # ---- range update ------------------------------------------------------------------------------------------

@@ -4,7 +4,14 @@ and a suspect goes first.
 
 import numpy as np
 import pytest
-from thruster_bench import modulate, open_for_test, opposite, pair_to_test
+from thruster_bench import (
+    close_for_test,
+    modulate,
+    open_for_test,
+    opposite,
+    pair_to_test,
+    thruster_to_close,
+)
 
 from edl6dof.config.dtype import dtype_of, fill
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
@@ -110,13 +117,42 @@ def test_isolated_thruster_and_its_opposite_are_not_tested(vehicle, effectivenes
     assert not any(bench.cycle() & {2, 7} for _ in range(40))
 
 
-def test_suspect_of_force_and_torque_is_tested_in_the_next_cycle(vehicle, effectiveness):
+def test_suspect_of_force_and_torque_fires_a_train_of_pulses(vehicle, effectiveness):
+    """From the next cycle on, each pulse when the last one has been measured."""
     bench = Bench(vehicle, effectiveness)
     for _ in range(10):
         bench.cycle()
     best = bench.diagnosis["hypotheses"]
     best["thruster"], best["kind"], best["evidence"] = 6, STUCK_OFF, 8.0
-    assert [bench.cycle() for _ in range(3)] == [{3, 6}] * 3
+    assert [bench.cycle() for _ in range(9)] == [{3, 6}, *([set()] * 3 + [{3, 6}]) * 2]
+
+
+def test_suspect_that_fires_steadily_is_closed_for_a_cycle(vehicle, effectiveness):
+    """Not while it pulses, nor within its shortest pulse, nor without suspicion or once it is out of use."""
+    bench = Bench(vehicle, effectiveness)
+    best, share = bench.diagnosis["hypotheses"], bench.diagnosis["residual"]["share"][0]
+
+    def closed():
+        return thruster_to_close(bench.params, vehicle, bench.t, DT, bench.fsw)
+
+    for _ in range(10):
+        bench.cycle(firing=[3])
+    share[:, 3] = 1.0
+    assert closed() == NONE
+    best["thruster"], best["kind"], best["evidence"] = 3, STUCK_OFF, 8.0
+    assert closed() == 3
+    close_for_test(3, bench.fsw)
+    assert bench.close_time[3] == bench.open_time[3]
+    bench.fsw["modulation"]["busy_until"][0, 3] = bench.t + 0.01
+    assert closed() == NONE
+    bench.fsw["modulation"]["busy_until"][0, 3], share[2, 3] = 0.0, 0.6
+    assert closed() == NONE
+    share[2, 3], bench.healthy[3] = 1.0, 0
+    assert closed() == NONE
+    bench.healthy[3], best["evidence"] = 1, 3.0
+    assert closed() == NONE
+    bench.cycle(firing=[3])
+    assert bench.close_time[3] - bench.open_time[3] == pytest.approx(DT)
 
 
 def test_two_of_which_one_let_nothing_through_are_each_tried_alone(vehicle, effectiveness):

@@ -32,6 +32,7 @@ def reference():
     table = np.zeros(1, REFERENCE)[0]
     n = len(table["drag"])
     table["first"], table["spacing"] = FIRST, (LAST - FIRST) / (n - 1)
+    table["handover"] = FIRST
     energy = 0.5 * (FIRST + table["spacing"] * np.arange(n)) ** 2
     table["drag"], table["ground"] = profile(energy), ground(energy)
     return table
@@ -71,6 +72,25 @@ def test_refitted_profile_predicts_the_wanted_range(factor, speed):
         wanted = factor * range_of(profile, energy)
         refit(table, energy, wanted, 0.4, memory)
         assert range_of(lambda e: drag_of(memory, e), energy) == pytest.approx(wanted, rel=2e-3)
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.0, 1.1])
+def test_profile_ends_where_range_control_ends_and_the_planned_range_from_there_is_added(factor):
+    """By adaptive quadrature down to there; the rest is inversely proportional to the drag at that energy."""
+    table, memory, end = reference(), np.zeros(1, PROFILE)[0], 1100.0
+    table["handover"], table["coast"], energy = end, 75e3, 0.5 * 4000.0**2
+    for share in (1.0, 0.7, 0.4):
+        energy *= share
+        rest = range_of(profile, energy) - range_of(profile, 0.5 * end**2)
+        wanted = factor * (75e3 + rest)
+        refit(table, energy, wanted, 0.4, memory)
+
+        def drag(e, span=float(memory["energy"]) - 0.5 * end**2):
+            return np.polynomial.polynomial.polyval((e - 0.5 * end**2) / span, memory["coefficient"])
+
+        followed = quad(lambda e: ground(e) / drag(e), 0.5 * end**2, energy, epsrel=1e-10, limit=200)[0]
+        coast = 75e3 * profile(0.5 * end**2) / drag(0.5 * end**2)
+        assert followed + coast == pytest.approx(wanted, rel=2e-3)
 
 
 def test_aim_point_out_of_reach_does_not_drive_the_profile_away():

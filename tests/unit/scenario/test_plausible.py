@@ -72,6 +72,17 @@ def test_what_is_true_alone_counts_too():
     assert [warning for warning in loaded.warnings if "friction: 1e-09 is unusual" in warning]
 
 
+def test_fnpeg_without_a_chosen_reversal_logic_is_named_and_with_one_is_not():
+    entry = "flight_software.guidance.entry"
+    (warning,) = load_scenario("tianwen1", [f"{entry}.law=fnpeg"]).warnings
+    assert warning.startswith(f"--set {entry}.law=fnpeg: ") and "so crossrange_corridor chooses" in warning
+    for logic in ("own_sign", "crossrange_corridor"):
+        assert (
+            load_scenario("tianwen1", [f"{entry}.law=fnpeg", f"{entry}.reversal.logic={logic}"]).warnings
+            == []
+        )
+
+
 def test_check_prints_warnings_and_succeeds():
     done = called("check", "tianwen1", "--set", "vehicle.landing_gear.friction=1e-9")
     assert done.returncode == 0 and done.stderr.startswith(

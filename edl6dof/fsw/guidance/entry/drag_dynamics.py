@@ -13,10 +13,12 @@ Guo leave out of eq. 14 the loss of g with height, 4 D g sin^2(gamma)/r.
 
 from __future__ import annotations
 
-from edl6dof.fsw.guidance.entry.airframe import area_rate
-from edl6dof.fsw.navigation.derived import model_atmosphere
+from math import sqrt
+
+from edl6dof.fsw.guidance.entry.airframe import area_rate, believed_aero
+from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
-from edl6dof.spatial.elementary import acos, sincos
+from edl6dof.spatial.elementary import acos, asin, sincos
 from edl6dof.spatial.vector import clamp
 
 
@@ -62,6 +64,56 @@ def measured_drag_dynamics(onboard, nav, lift):
         scale_height=scale_height,
         area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
     )
+
+
+#: Least lift-to-drag ratio of the inversion, which keeps it finite where the trim wing has removed the lift.
+LEAST_LIFT = 0.01
+#: Half the height (m) over which changes of scale height and wind are measured.
+REACH = 2000.0
+
+
+@kernel
+def believed_lift(vehicle, nav):
+    """Lift-to-drag ratio that the flight computer expects at the present Mach number, at least
+    ``LEAST_LIFT``.
+    """
+    _, lift_to_drag = believed_aero(vehicle, nav.mach, nav.speed)
+    return max(lift_to_drag, LEAST_LIFT)
+
+
+@kernel
+def drag_dynamics_in_air(onboard, nav):
+    """Result of :func:`drag_dynamics` at the navigated state and measured drag, with the believed drag area
+    and lift, in the expected wind, and with a scale height that changes with altitude.
+
+    The speed is that through the air, which gains -w' where the wind w changes with height h; D'' gains D
+    (h'/h_s)^2 dh_s/dh.
+    """
+    air, h = onboard.atmosphere, nav.altitude
+    _, _, scale_height = model_atmosphere(air, h)
+    _, _, below = model_atmosphere(air, h - REACH)
+    _, _, above = model_atmosphere(air, h + REACH)
+    wind, wind_below, wind_above = (
+        expected_wind(air, h),
+        expected_wind(air, h - REACH),
+        expected_wind(air, h + REACH),
+    )
+    north, east, climb = nav.v_N[0] - wind[0], nav.v_N[1] - wind[1], -nav.v_N[2]
+    speed = sqrt(north * north + east * east + climb * climb)
+    rate, a, b = drag_dynamics(
+        nav.drag,
+        speed,
+        gamma=asin(climb / speed),
+        radius=nav.radius,
+        gravity=nav.gravity,
+        lift=nav.drag * believed_lift(onboard.vehicle, nav),
+        scale_height=scale_height,
+        area_rate=area_rate(onboard.vehicle, nav.mach, nav.speed, -nav.drag),
+    )
+    growth = north * (wind_above[0] - wind_below[0]) + east * (wind_above[1] - wind_below[1])
+    slower = growth / (2.0 * REACH * speed) * climb
+    bend = nav.drag * (climb / scale_height) ** 2 * (above - below) / (2.0 * REACH)
+    return rate - 2.0 * nav.drag * slower / speed, a, b + bend
 
 
 @kernel

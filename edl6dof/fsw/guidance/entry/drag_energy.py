@@ -2,13 +2,15 @@
 
 Range along a drag profile is the integral of cos(gamma) dE / D. At each update the profile is multiplied by 1
 + eta f(E) with the eta that makes it predict the range to go, and the product is fitted again: the polynomial
-always covers the energy that is left. Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs. 9-15.
+covers the energy that is left until range control ends. Source: Wu, Cui & Cui 2013, section 3.1-3.2, eqs.
+9-15.
 
-Differences from the print: the range integral carries the ground distance per path length of the reference
-trajectory, which eqs. 11 and 14 leave out (1 % of the range of an entry at 14 deg); the argument of the
-polynomial is the share of energy left, 0 at the terminal and 1 at the last update, because E^6 in J/kg makes
-the least-squares problem ill-conditioned; the fit stays within a factor of the reference, so that it does not
-drift with each update for an aim point out of reach.
+Differences from the print: the profile ends with range control, and the planned range from there is added;
+the range integral carries the ground distance per path length of the reference trajectory, which eqs. 11 and
+14 leave out (1 % of the range of an entry at 14 deg); the argument of the polynomial is the share of energy
+left, 0 at the terminal and 1 at the last update, because E^6 in J/kg makes the least-squares problem
+ill-conditioned; the fit stays within a factor of the reference, so that it does not drift with each update
+for an aim point out of reach.
 """
 
 from __future__ import annotations
@@ -43,6 +45,9 @@ WEIGHT = (
 #: Coefficients of the least-squares polynomial from its samples, shape (ORDER + 1, SAMPLES).
 FIT = arrays.pseudo_inverse(np.vander(SHARE, ORDER + 1, increasing=True))
 
+#: Range to go, over that planned after range control, down to which the profile is refitted.
+LEAST_RANGE = 1.4
+
 #: The present profile: coefficients (m/s2), energy (J/kg) at its argument 1, time (s) of the last update;
 #: ``drag`` and ``ground`` are workspace.
 PROFILE = record(
@@ -75,11 +80,14 @@ def evaluate(coefficient, x):
 
 
 @kernel
-def predicted_range(memory, span, eta):
+def predicted_range(memory, span, eta, coast):
     """Range (m) along the sampled drag times 1 + ``eta`` f over an energy ``span`` (J/kg), and its derivative
-    by eta (Simpson).
+    by eta (Simpson). ``coast``: range (m) times drag (m/s2) after range control, where range is inversely
+    proportional to the drag at its end.
     """
-    total, slope = 0.0, 0.0
+    f = shape(1.0 - SHARE[0])
+    total = coast / (memory.drag[0] * (1.0 + eta * f))
+    slope = -total * f / (1.0 + eta * f)
     for i in range(SAMPLES):
         f = shape(1.0 - SHARE[i])
         piece = span * WEIGHT[i] * memory.ground[i] / (memory.drag[i] * (1.0 + eta * f))
@@ -90,11 +98,11 @@ def predicted_range(memory, span, eta):
 
 @kernel
 def refit(reference, energy, wanted, limit, memory):
-    """Fit the drag profile between ``energy`` (J/kg) and the terminal energy of the reference, so that its
-    range is ``wanted`` (m) (eqs. 13-15); ``limit``: largest magnitude of eta, the parameter of the fit; 0
-    gives the reference profile.
+    """Fit the drag profile between ``energy`` (J/kg) and the end of range control of the reference, so that
+    its range to the aim point is ``wanted`` (m) (eqs. 13-15); ``limit``: largest magnitude of eta, the
+    parameter of the fit; 0 gives the reference profile.
     """
-    terminal = 0.5 * reference.first * reference.first
+    terminal = 0.5 * reference.handover * reference.handover
     span = energy - terminal
     widest = 1.0 + 2.0 * limit
     for i in range(SAMPLES):
@@ -106,9 +114,11 @@ def refit(reference, energy, wanted, limit, memory):
         if memory.started != 0:
             now, _, _ = evaluate(memory.coefficient, (e - terminal) / (memory.energy - terminal))
             memory.drag[i] = clamp(now, nominal / widest, nominal * widest)
+    j, f = node_of(reference, reference.handover)
+    coast = reference.coast * (reference.drag[j] + f * (reference.drag[j + 1] - reference.drag[j]))
     eta = 0.0
     for _ in range(4):
-        predicted, slope = predicted_range(memory, span, eta)
+        predicted, slope = predicted_range(memory, span, eta, coast)
         eta = clamp(eta - (predicted - wanted) / slope, -limit, limit)
     for i in range(SAMPLES):
         memory.drag[i] *= 1.0 + eta * shape(1.0 - SHARE[i])
@@ -127,8 +137,9 @@ def polynomial_goal(onboard, nav, p, memory, drag, drag_rate, out):
     ``p``: ``PolynomialParams`` of the law; ``drag``, ``drag_rate``: measured values (m/s2, m/s3).
     """
     shared, reference = onboard.guidance.entry.tracking, onboard.reference
-    terminal = 0.5 * reference.first * reference.first
+    terminal = 0.5 * reference.handover * reference.handover
     updating = shared.update and nav.speed > shared.update_stop
+    updating = updating and out.range_to_go > LEAST_RANGE * reference.coast
     if memory.started == 0 or updating and nav.t >= memory.updated + p.update_every:
         # nothing is left to fit at the terminal energy
         limit = shared.scale_limit if updating else 0.0

@@ -11,9 +11,10 @@ flight, under the ceiling of the corridor, and scaled to the range of that fligh
 profile by one factor to match the range to go: range along a drag profile is inversely proportional to drag.
 Source: Lu & Bayard, sections 1 and 2.2, Fig. 1; Harpold & Graves 1979; McEneaney & Mease 1991.
 
-Differences from the print: R = -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which
-the paper neglects at first and later avoids by an energy variable; here the angle follows from the profile:
-with D = f(V), the rate of D = k rho V^2 fixes the rate of climb.
+Differences from the print: the profile ends with range control, and the planned range from there is added; R
+= -int V cos(gamma) / (f + g sin(gamma)) dV keeps the flight-path angle, which the paper neglects at first and
+later avoids by an energy variable; here the angle follows from the profile: with D = f(V), the rate of D = k
+rho V^2 fixes the rate of climb.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from math import inf, sqrt
 import numpy as np
 
 from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.reference import last_controlled
 from edl6dof.fsw.navigation.derived import model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import record
@@ -69,7 +71,7 @@ def ceiling(onboard, speed):
 
 RANGE_NODES = 129
 #: Speeds tried for the two joints, over the initial and over the final speed.
-_JOIN, _LEVEL = np.linspace(0.35, 0.85, 26), np.linspace(1.2, 2.4, 13)
+_JOIN, _LEVEL = np.linspace(0.35, 0.85, 26), np.linspace(1.0, 2.4, 15)
 _ROWS = 300
 #: Weight of the share by which a profile exceeds the ceiling, against the misfit to the flight.
 _STIFF = 100.0
@@ -80,7 +82,8 @@ DRAG_VELOCITY = record(
     ("level", "f8"),  # m/s: speed at the joint of glide and constant drag
     ("final", "f8"),  # m/s: speed where the profile ends
     ("coefficient", "f8", (3, 3)),  # c0, c1, c2 of each segment, from fast to slow
-    # m: ground range to the end from evenly spaced speeds, final to start
+    ("coast", "f8"),  # m2/s2: planned range from the end of the profile to the aim point, times drag
+    # m: ground range to the aim point from evenly spaced speeds, final to start
     ("range", "f8", (RANGE_NODES,)),
 )
 
@@ -102,7 +105,7 @@ def profile_drag(profile, speed):
 
 @kernel
 def profile_range(profile, speed):
-    """Ground range (m) from ``speed`` to the end of the profile, linear between its nodes."""
+    """Ground range (m) from ``speed`` to the aim point, linear between its nodes."""
     cells = RANGE_NODES - 1
     i, f = held_cell((speed - profile.final) / (profile.start - profile.final) * cells, cells)
     return between(profile.range, i, f)
@@ -138,7 +141,8 @@ def integrate_range(onboard, profile):
     """Fill ``profile.range`` by the trapezoidal rule, four steps a node, from the final speed upwards."""
     planet = onboard.planet
     step = (profile.start - profile.final) / (4.0 * (RANGE_NODES - 1))
-    total, before = 0.0, 0.0
+    end, _, _ = profile_drag(profile, profile.final)
+    total, before = profile.coast / end, 0.0
     for i in range(4 * (RANGE_NODES - 1) + 1):
         speed = profile.final + i * step
         drag, slope, _ = profile_drag(profile, speed)
@@ -164,9 +168,11 @@ def fill_drag_velocity(onboard: np.ndarray, planned: np.ndarray, start_drag: flo
         start_drag: drag of the planned entry where the profile begins, m/s2.
         profile: ``DRAG_VELOCITY`` record to fill.
     """
-    follow = planned[np.argmax(planned["drag"] >= start_drag) :]
+    last = last_controlled(planned, onboard[0]["guidance"]["entry"])
+    follow = planned[np.argmax(planned["drag"] >= start_drag) : last + 1]
     speed, drag = follow["speed"], follow["drag"]
-    wanted = float(follow["beyond"][-1] - follow["beyond"][0])
+    wanted = float(planned["beyond"][-1] - follow["beyond"][0])
+    profile["coast"] = (planned["beyond"][-1] - follow["beyond"][-1]) * drag[-1]
     rows = np.unique(np.linspace(0, len(speed) - 1, _ROWS).astype(int))
     v, d = speed[rows], drag[rows]
     highest = np.array([ceiling(onboard[0], x) for x in v])

@@ -91,6 +91,8 @@ REFERENCE = record(
     ("first", "f8"),  # m/s: sqrt(2E) of the first node, at the end of the entry
     ("spacing", "f8"),  # m/s: from node to node
     ("shift", "f8"),  # of cos(bank)
+    ("handover", "f8"),  # m/s: sqrt(2E) where range control ends; ``first`` without heading alignment
+    ("coast", "f8"),  # m: planned range from there to the end
     ("drag", "f8", (NODES,)),
     ("drag_rate", "f8", (NODES,)),
     ("drag_acceleration", "f8", (NODES,)),
@@ -107,6 +109,8 @@ PLANNED = record(
     ("energy", "f8"),  # J/kg
     ("beyond", "f8"),  # m, downrange beyond the aim point, on the great circle from the start
     ("aside", "f8"),  # m, crossrange, positive right of the aim point
+    ("latitude", "f8"),  # rad
+    ("longitude", "f8"),  # rad
     ("bank", "f8"),  # rad, commanded
     ("side", "f8"),  # +1 to bank right, -1 left; 0 before the steering has chosen
     ("mach", "f8"),
@@ -159,8 +163,15 @@ def node_of(reference, energy_speed):
     return held_cell((energy_speed - reference.first) / reference.spacing, NODES - 1)
 
 
-def fill_reference(planned: np.ndarray, table: np.void) -> None:
-    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept.
+def last_controlled(planned: np.ndarray, entry: np.void) -> int:
+    """Index of the row of a plan at which heading alignment or level wings end range control, or the last."""
+    ended = planned["speed"] <= max(entry["align_speed"], entry["heading"]["speed"])
+    return int(np.argmax(ended)) if ended.any() else len(planned) - 1
+
+
+def fill_reference(planned: np.ndarray, table: np.void, end: int) -> None:
+    """Tabulate the planned entry into a ``REFERENCE`` record; its shift is kept. ``end``: row at which range
+    control ends.
 
     The drag is smoothed first, over a few seconds, so that the short lift-up of a reversal, which comes at
     another time in flight, leaves no step in the derivatives. The derivatives are those of the tabulated drag
@@ -174,6 +185,7 @@ def fill_reference(planned: np.ndarray, table: np.void) -> None:
     keep = np.concatenate(([True], np.diff(np.minimum.accumulate(u)) < 0.0))
     nodes = np.linspace(u[keep][-1], u[keep][0], NODES)
     table["first"], table["spacing"] = nodes[0], nodes[1] - nodes[0]
+    table["handover"], table["coast"] = u[end], planned["beyond"][-1] - planned["beyond"][end]
     columns = {
         "drag": drag,
         "drag_rate": rate,

@@ -29,7 +29,7 @@ import numpy as np
 from pydantic import model_validator
 
 from edl6dof.config.base import PrintedParams, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import measured_drag_dynamics, uncertain_drag
+from edl6dof.fsw.guidance.entry.drag_dynamics import believed_lift, drag_dynamics_in_air, uncertain_drag
 from edl6dof.fsw.guidance.entry.drag_velocity import (
     DRAG_VELOCITY,
     ceiling,
@@ -216,8 +216,8 @@ def guide(params, plan, onboard, nav, memory, out):
         begin(p, memory)
         memory.t = nav.t
     _, _, scale_height = model_atmosphere(onboard.atmosphere, nav.altitude)
-    drag, lift_to_drag = max(nav.drag, 1e-3), onboard.vehicle.lift_to_drag
-    rate, _, _ = measured_drag_dynamics(onboard, nav, 0.0)
+    drag, lift_to_drag = max(nav.drag, 1e-3), believed_lift(onboard.vehicle, nav)
+    rate, _, _ = drag_dynamics_in_air(onboard, nav)
     out.drag_estimate, out.drag_rate = drag, rate
     goal, slope, curvature = scaled_profile(plan, onboard, nav, memory, out)
     goal_rate, goal_free, goal_per_u = goal_rates(nav, drag, rate, slope, curvature)

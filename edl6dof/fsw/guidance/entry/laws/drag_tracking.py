@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import LEAST_LIFT, bank_for, measured_drag_dynamics
 from edl6dof.fsw.guidance.entry.range_update import TRACKING, drag_goal, tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
 from edl6dof.kernels import kernel
@@ -28,9 +28,6 @@ class DragTrackingParams(Params):
     frequency_rad_s: float = param(0.12, "natural frequency of the drag error", gt=0.0, le=1.0)
     damping: float = param(0.9, "damping ratio of the drag error", gt=0.0, le=2.0)
 
-
-#: Least lift-to-drag ratio of the inversion, which keeps it finite where the trim wing has removed the lift.
-LEAST_LIFT = 0.01
 
 MEMORY = record(("tracking", TRACKING))
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from edl6dof.config.base import PrintedParams, group, param
 from edl6dof.fsw.guidance.entry.disturbance_observers import OBSERVER, observe
-from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics_in_air
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.laws.fl import PAPER
 from edl6dof.fsw.guidance.entry.range_update import tracking
@@ -35,9 +35,9 @@ class EhgoFlParams(PrintedParams):
     """Extended high-gain observer with feedback linearisation."""
 
     error_gain: float = param(
-        0.01, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
+        0.0144, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
     )
-    rate_gain: float = param(0.07, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
+    rate_gain: float = param(0.216, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     epsilon_s: float = param(
         2.0,
         "time scale of the observer error",
@@ -69,8 +69,7 @@ def guide(params, plan, onboard, nav, memory, out):
     p, observer = params, memory.observer
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
-    lift = nav.drag * onboard.vehicle.lift_to_drag
-    _, a, b = measured_drag_dynamics(onboard, nav, lift)
+    _, a, b = drag_dynamics_in_air(onboard, nav)
     observe(
         observer, p.epsilon, start=p.start_share * nav.drag, t=nav.t, drag=nav.drag, a=a, b=b, u=cos(nav.bank)
     )

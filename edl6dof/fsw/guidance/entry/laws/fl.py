@@ -11,7 +11,7 @@ corrected order; the defaults are slower, for a rigid body.
 from __future__ import annotations
 
 from edl6dof.config.base import PrintedParams, group, param
-from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, measured_drag_dynamics
+from edl6dof.fsw.guidance.entry.drag_dynamics import bank_for, drag_dynamics_in_air
 from edl6dof.fsw.guidance.entry.drag_energy import PROFILE, PolynomialParams, polynomial_goal
 from edl6dof.fsw.guidance.entry.range_update import tracking
 from edl6dof.fsw.guidance.entry.reference import reference_bank
@@ -26,9 +26,9 @@ class FlParams(PrintedParams):
     """Feedback linearisation of the drag."""
 
     error_gain: float = param(
-        0.0064, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
+        0.0144, "gain on the drag error, 1/s2", printed=0.04, source=PAPER, gt=0.0, le=10.0
     )
-    rate_gain: float = param(0.144, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
+    rate_gain: float = param(0.216, "gain on the error rate, 1/s", printed=0.4, source=PAPER, gt=0.0, le=10.0)
     profile: PolynomialParams = group(PolynomialParams, "polynomial drag-energy profile")
 
 
@@ -41,8 +41,7 @@ def guide(params, plan, onboard, nav, memory, out):
     if not tracking(onboard, nav):
         return reference_bank(onboard, onboard.reference.shift, nav.speed)
     p = params
-    lift = nav.drag * onboard.vehicle.lift_to_drag
-    rate, a, b = measured_drag_dynamics(onboard, nav, lift)
+    rate, a, b = drag_dynamics_in_air(onboard, nav)
     out.drag_estimate, out.drag_rate = nav.drag, rate
     goal, goal_rate, goal_acceleration = polynomial_goal(
         onboard, nav, p=p.profile, memory=memory.profile, drag=nav.drag, drag_rate=rate, out=out
