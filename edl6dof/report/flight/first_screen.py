@@ -49,14 +49,9 @@ def profile(run: Run) -> Panel:
     rows, farthest = list(at.values()), float(np.nanmax(distance))
     ground, few = height - run["truth.height_m"] / 1e3, np.linspace(0, len(run.t) - 1, 400).astype(int)
     low = np.full(2, np.nanmin(ground) - 0.06 * np.nanmax(height))
+    around = np.append(distance[few], distance[[-1, 0]])
     traces = [
-        Trace(
-            np.append(distance[few], distance[[-1, 0]]),
-            np.append(ground[few], low),
-            "ground below",
-            "region",
-            GREY,
-        ),
+        Trace(around, np.append(ground[few], low), "ground below", "region", GREY),
         flown(distance, height, "vehicle"),
         Trace(distance[rows], height[rows], "", "points", BLACK, labels=list(at), border=True),
     ]
