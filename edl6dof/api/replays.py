@@ -22,7 +22,7 @@ from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.replay import browser, viewer
 from edl6dof.replay.history import thin, vector
-from edl6dof.replay.pages import TITLES
+from edl6dof.replay.pages import TITLES, TOUR
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.tracks import Ensemble, Trajectory
 from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
@@ -93,7 +93,8 @@ def show_replay(
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
     if video.file is not None:
         viewer.encoder()  # or the flight would be drawn in vain
-    with _ended_by_signals(), _recording(runs, page) as recording:
+    bare = html is None and (video.file is not None or (screenshot is not None and page == TOUR))
+    with _ended_by_signals(), _recording(runs, page, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
@@ -131,8 +132,9 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 @contextmanager
-def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
-    """Provide the recording of the flight if it is sufficient, otherwise a new temporary one.
+def _recording(runs: Sequence[Path], page: str, bare: bool = False) -> Iterator[Path]:
+    """Provide the recording of the flight if it is sufficient, otherwise a new temporary one; if ``bare``,
+    without the viewer's controls.
 
     A campaign comes first; the flights after it, or its nominal one, are shown among its trajectories.
     """
@@ -140,7 +142,7 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
     if len(runs) == 1 and alone.is_file():
         yield alone
         return
-    if len(runs) == 1 and (alone / REPLAY).is_file() and not page:
+    if len(runs) == 1 and (alone / REPLAY).is_file() and not (page or bare):
         yield Run(alone).file(REPLAY)
         return
     plan = resumed_plan(Store(alone)) if lexists(alone / "campaign.json") else None
@@ -158,7 +160,7 @@ def _recording(runs: Sequence[Path], page: str) -> Iterator[Path]:
     elif len(flights) == 1:
         labels = []
     with TemporaryDirectory(prefix="edl6dof-") as folder:
-        write_replay(flights, Path(folder) / REPLAY, labels, page or "Flight", ensemble)
+        write_replay(flights, Path(folder) / REPLAY, labels, page or "Flight", ensemble, bare)
         yield Path(folder) / REPLAY
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from edl6dof.replay import pages
-from edl6dof.replay.charts import ranges, shown
+from edl6dof.replay.charts import frames, legend, legend_share, shown
 from edl6dof.replay.history import History
 from edl6dof.replay.lanes import Lanes
 from edl6dof.replay.scene.arrows import scales
@@ -24,11 +24,14 @@ TRAIL_S = 60.0
 SPACE = (10, 9, 12)
 #: Entities that only other views show.
 _FRAMES = ("near", "vehicle/attitude_frame")
-_NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", *_FRAMES)
+#: Legend of the hazard map, beams of the radar, and these with the rays of the lidar.
+_KEY, _BEAMS = "hazards/legend", "vehicle/beams"
+_AIDS = (_BEAMS, "hazards/rays")
+_NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", _KEY, *_FRAMES)
 #: Entities that belong to one camera alone.
 _OWN = ("camera/scale_bar",)
-_NOT_SITE = (*_FRAMES, "path", "markers", "labels", *_OWN)
-_NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", *_OWN)
+_NOT_SITE = (*_FRAMES, "path", "markers", "labels", _BEAMS, *_OWN)
+_NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", _KEY, _BEAMS, *_OWN)
 
 
 class Layout:
@@ -38,8 +41,8 @@ class Layout:
         labels, roots: name of each flight (empty if there is only one), and root entity of what it alone has.
         start, end, deploy: first and last place, and that of the parachute deployment if any, m in L.
         span, spans: first and last time (s) of the flights, and by page of each page that shows only a part.
-        plots: keys of the plots that have data.
-        ranges: first and last value on the axis of each plot, by page and key.
+        plots: the plots that have data, by key.
+        frames: axis and legend of each plot, by page and key.
         lanes: labels of the states, by page and lane.
         scales: value that 1 m of each arrow stands for, as text.
     """
@@ -64,22 +67,24 @@ class Layout:
         last = max((float(flight.t[-1]) for flight in flights if len(flight.t)), default=1.0)
         self.span = (float(motion.t[0]), last) if drawable else (0.0, 1.0)
         self.spans = pages.spans_of(self.span, self.flight.when)
-        self.plots = {plot.key for plot in shown(self.flight)}
+        self.plots = {plot.key: plot for plot in shown(self.flight)}
         every = {"Flight": self.span, **self.spans}
-        self.ranges = ranges(flights, every)
+        self.frames = frames(flights, every, self.labels)
         self.lanes = Lanes(self.flight, motion, recording).labels(every) if drawable else {}
         self.scales = scales(self.flight, motion) if len(motion.t) > 2 else ""
 
-    def blueprint(self, active: str = "Flight") -> rrb.Blueprint:
-        """Return all pages that have data, page ``active`` in front; page Tour alone, as for a film."""
+    def blueprint(self, active: str = "Flight", bare: bool = False) -> rrb.Blueprint:
+        """Return all pages that have data, page ``active`` in front; page Tour alone, and every page if
+        ``bare``, which leaves out the viewer's own controls, as in a film.
+        """
         rrb, when = self.rrb, self.flight.when
         clock = rrb.TimePanel(
-            timeline=pages.TIMELINE, state="collapsed", playback_speed=4.0, play_state="playing"
+            timeline=pages.TIMELINE,
+            state="hidden" if bare else "collapsed",
+            playback_speed=4.0,
+            play_state="playing",
         )
         tour = self._tour()
-        if active == pages.TOUR:
-            top = rrb.TopPanel(state="hidden")
-            return rrb.Blueprint(tour, clock, top, auto_views=False, auto_layout=False, collapse_panels=True)
         possible = (
             (self._flight, True),
             (self._entry, True),
@@ -92,8 +97,11 @@ class Layout:
         )
         shown = [*(self._with_lanes(page()) for page, there in possible if there), tour]
         names = [str(page.name) for page in shown]
-        tabs = rrb.Tabs(*shown, active_tab=names.index(active) if active in names else 0)
-        return rrb.Blueprint(tabs, clock, auto_views=False, auto_layout=False, collapse_panels=True)
+        front = names.index(active) if active in names else 0
+        alone = bare or active == pages.TOUR
+        page = shown[front] if alone else rrb.Tabs(*shown, active_tab=front)
+        top = rrb.TopPanel(state="hidden" if alone else "expanded")
+        return rrb.Blueprint(page, clock, top, auto_views=False, auto_layout=False, collapse_panels=True)
 
     def _with_lanes(self, page: rrb.Container) -> rrb.Container:
         """Return a page with the lanes of its time span and the timeline of events below it."""
@@ -102,8 +110,8 @@ class Layout:
         below = rrb.Horizontal(self._lanes(name), texts, column_shares=[11, 8])
         return rrb.Vertical(page, below, row_shares=[7, 2], name=name)
 
-    def _text(self, name: str) -> rrb.TextDocumentView:
-        return self.rrb.TextDocumentView(origin=f"/{name.lower()}", name=name)
+    def _text(self, name: str, **more: Any) -> rrb.TextDocumentView:
+        return self.rrb.TextDocumentView(origin=f"/{name.lower()}", name=name, **more)
 
     def _flight(self) -> rrb.Container:
         rrb, readout = self.rrb, self._text("Readout")
@@ -112,26 +120,25 @@ class Layout:
         afar = [] if self.deploy is None else [self._descent()]
         around = rrb.Tabs(*afar, self._whole(), self._globe(), active_tab=0)
         middle = rrb.Vertical(readout, around, row_shares=[5, 2])
-        plots = self._grid("Flight", 1)
-        return rrb.Horizontal(self._chase(), middle, plots, column_shares=[9, 5, 10], name="Flight")
+        return self._beside("Flight", self._chase(), middle)
 
     def _entry(self) -> rrb.Container:
         rrb = self.rrb
         below = rrb.Tabs(self._globe(), self._whole(), active_tab=0)
         left = rrb.Vertical(self._body(), below, row_shares=[1, 1])
-        return rrb.Horizontal(left, self._grid("Entry"), column_shares=[5, 8], name="Entry")
+        return self._beside("Entry", left)
 
     def _parachute(self) -> rrb.Container:
         rrb = self.rrb
         others = rrb.Vertical(self._away(), self._descent(), row_shares=[1, 1])
         left = rrb.Horizontal(self._chase(), others, column_shares=[1, 1])
-        return rrb.Horizontal(left, self._grid("Parachute"), column_shares=[11, 8], name="Parachute")
+        return self._beside("Parachute", left)
 
     def _powered(self) -> rrb.Container:
         rrb = self.rrb
         below = rrb.Tabs(self._landing(), self._site(), self._away(), active_tab=0)
         left = rrb.Vertical(self._chase(), below, row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid(pages.POWERED), column_shares=[5, 8], name=pages.POWERED)
+        return self._beside(pages.POWERED, left)
 
     def _hazards(self) -> rrb.Container:
         """Page on hazards: the scanned ground from above, the chase view, and the landed vehicle."""
@@ -142,10 +149,9 @@ class Layout:
         return rrb.Horizontal(self._above(scanned), right, column_shares=[1, 1], name=pages.HAZARDS)
 
     def _tour(self) -> rrb.Container:
-        """The director's picture and the readout, and nothing else."""
-        return self.rrb.Horizontal(
-            self._director(), self._text("Readout"), column_shares=[4, 1], name=pages.TOUR
-        )
+        """The director's picture and the readout without title bars, and nothing else."""
+        readout = self._text("Readout", titlebar=False)
+        return self.rrb.Horizontal(self._director(), readout, column_shares=[4, 1], name=pages.TOUR)
 
     def _control(self) -> rrb.Container:
         rrb = self.rrb
@@ -159,8 +165,7 @@ class Layout:
             )
             for axis in ("roll", "pitch", "yaw")
         ]
-        left = rrb.Tabs(*planes, active_tab=0)
-        return rrb.Horizontal(left, self._grid("Control"), column_shares=[2, 5], name="Control")
+        return self._beside("Control", rrb.Tabs(*planes, active_tab=0))
 
     def _navigation(self) -> rrb.Container:
         rrb, lanes = self.rrb, dict[str, list[str]]()
@@ -168,20 +173,16 @@ class Layout:
             lanes.setdefault(pages.INSTRUMENTS[one.kind], []).append(pages.lane_of(one.kind, one.name))
         views = [self._states(title, names, pages.NAVIGATION) for title, names in lanes.items()]
         below = rrb.Tabs(*reversed(views), active_tab=0)
-        left = rrb.Vertical(self._chase(), below, row_shares=[3, 2])
-        return rrb.Horizontal(left, self._grid(pages.NAVIGATION), column_shares=[4, 9], name=pages.NAVIGATION)
+        left = rrb.Vertical(self._chase(with_beams=True), below, row_shares=[3, 2])
+        return self._beside(pages.NAVIGATION, left)
 
     def _thrusters(self) -> rrb.Container:
         rrb, names = self.rrb, sorted(self.flight.jets)
         half = (len(names) + 1) // 2
         lanes = rrb.Horizontal(*(self._jets(some) for some in (names[:half], names[half:])))
-        groups = {jet.group for jet in self.flight.scenario.vehicle.rcs.thrusters if jet.name in names}
-        duties = [(group, title) for group, title in pages.GROUPS.items() if group in groups]
-        shown = [(f"thruster_duty/{group}", f"{title} thrusters, duty (0 to 1)") for group, title in duties]
-        shown += [(plot.key, _title(plot)) for plot in pages.PAGES[pages.THRUSTERS] if plot.key in self.plots]
-        plots = rrb.Grid(*(self._plot(*one, pages.THRUSTERS) for one in shown), grid_columns=2)
-        right = rrb.Vertical(self._body(), plots, row_shares=[4, 5])
-        return rrb.Horizontal(lanes, right, column_shares=[3, 5], name=pages.THRUSTERS)
+        views = [self._body(), *self._plots(pages.THRUSTERS)]
+        right = rrb.Vertical(*views, row_shares=[2] + [1] * (len(views) - 1))
+        return rrb.Horizontal(lanes, right, column_shares=pages.SHARES[pages.THRUSTERS], name=pages.THRUSTERS)
 
     def _jets(self, names: Sequence[str]) -> rrb.StateTimelineView:
         title = f"Thrusters {names[0]} to {names[-1]}" if names else "Thrusters"
@@ -206,33 +207,43 @@ class Layout:
 
     def _axis(self, page: str) -> rrb.TimeAxis:
         rrb = self.rrb
-        if page in pages.AROUND_NOW:
-            edge, (first, last) = rrb.TimeRangeBoundary.cursor_relative, (-pages.NEAR_S, pages.NEAR_S)
+        if (near := pages.AROUND_NOW.get(page)) is not None:
+            edge, first, last = rrb.TimeRangeBoundary.cursor_relative, -near, near
         else:
             edge, (first, last) = rrb.TimeRangeBoundary.absolute, self.spans.get(page, self.span)
             last += 0.02 * (last - first)  # or a label at the end would be cut off
         return rrb.TimeAxis(view_range=rrb.TimeRange(start=edge(seconds=first), end=edge(seconds=last)))
 
-    def _plot(self, entity: str, title: str, page: str, legend: bool = True) -> rrb.TimeSeriesView:
-        rrb = self.rrb
-        ends = self.ranges.get((page if page in self.spans else "Flight", entity))
+    def _plot(self, plot: Plot, page: str, count: int) -> rrb.TimeSeriesView:
+        """One of the ``count`` plots of a page; if the page shows the time around the present, its curves end
+        before its legend.
+        """
+        rrb, near, fitted = self.rrb, pages.AROUND_NOW.get(page), self.frames.get((page, plot.key))
+        names = [name for label in self.labels for name in legend(plot, label)]
+        until = (1.0 - 2.0 * legend_share(page, count, names)[0] * (len(names) > 1)) * (near or 0.0)
         return rrb.TimeSeriesView(
             origin="/plots",
-            name=title,
-            contents=[f"/plots/{entity}/**"],
+            name=plot.label[0].upper() + plot.label[1:],
+            contents=[f"/plots/{plot.key}/**"],
             axis_x=self._axis(page),
-            axis_y=None if ends is None else rrb.ScalarAxis(range=ends),
-            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend or len(self.labels) > 1),
+            axis_y=rrb.ScalarAxis(range=fitted.axis) if fitted else None,
+            plot_legend=rrb.PlotLegend(
+                corner=rrb.Corner2D[fitted.corner if fitted else "RightTop"], visible=len(names) > 1
+            ),
+            time_ranges=None if near is None else self._window(near, until),
         )
 
-    def _grid(self, page: str, columns: int = 2) -> rrb.Grid:
-        views = []
-        for plot in (plot for plot in pages.PAGES[page] if plot.key in self.plots):
-            # on a page without its own time span, a plot that begins with powered descent shows that span
-            time = pages.POWERED if plot.since == "backshell" and page not in self.spans else page
-            views.append(self._plot(plot.key, _title(plot), time, len(plot.channels) > 1))
-        columns = 3 if len(views) > 8 else columns
-        return self.rrb.Grid(*views, grid_columns=columns, name=f"{page} plots")
+    def _plots(self, page: str) -> list[rrb.TimeSeriesView]:
+        """The plots of a page that have data."""
+        found = [self.plots[plot.key] for plot in pages.PAGES[page] if plot.key in self.plots]
+        return [self._plot(plot, page, len(found)) for plot in found]
+
+    def _beside(self, page: str, *views: rrb.View | rrb.Container) -> rrb.Container:
+        """A page: some views, and its plots at their right."""
+        plots = self._plots(page)
+        columns = pages.plot_columns(page, len(plots))
+        grid = self.rrb.Grid(*plots, grid_columns=columns, name=f"{page} plots")
+        return self.rrb.Horizontal(*views, grid, column_shares=pages.SHARES[page], name=page)
 
     def _scene(
         self, name: str, origin: str, contents: Sequence[str], place: Any, target: Any, **more: Any
@@ -258,6 +269,7 @@ class Layout:
         target: np.ndarray,
         labels: Sequence[str] = (),
         not_of_others: Sequence[str] = (),
+        **more: Any,
     ) -> rrb.Spatial3DView:
         """View of the site without the entities ``hidden``, and without ``not_of_others`` of the flights that
         ``origin`` does not belong to.
@@ -267,29 +279,31 @@ class Layout:
         excluded += [f"- {root}/{part}/**" for root in others for part in not_of_others]
         excluded += [f"/site/labels/{name}" for name in labels]
         trails = {f"{root}/trail": self._window(TRAIL_S) for root in self.roots}
-        return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails)
+        return self._scene(name, origin, ["/site/**", *excluded], place, target, overrides=trails, **more)
 
-    def _chase(self) -> rrb.Spatial3DView | rrb.Grid:
+    def _chase(self, with_beams: bool = False) -> rrb.Spatial3DView | rrb.Grid:
         """View that follows vehicle and parachute; several flights side by side."""
-        return self._each("camera", "Chase", _NOT_CHASE, pages.EYE)
+        hidden = _NOT_CHASE if with_beams else (*_NOT_CHASE, _BEAMS)
+        return self._each("camera", "Chase", hidden, pages.EYE)
 
     def _director(self) -> rrb.Spatial3DView | rrb.Grid:
-        """View of the director's camera; several flights side by side."""
-        return self._each("tour", "Tour", (*_NOT_CHASE, "trail", *_OWN), pages.TOUR_EYE)
+        """View of the director's camera; several flights side by side, under their names."""
+        hidden, titled = (*_NOT_CHASE, "trail", *_AIDS, *_OWN), len(self.labels) > 1
+        return self._each("tour", "Tour", hidden, pages.TOUR_EYE, titlebar=titled)
 
     def _away(self) -> rrb.Spatial3DView:
         """View that follows the part that was released last."""
         return self._view(
-            "What falls away", "/site/camera_away", (*_NOT_CHASE, *_OWN), pages.EYE, np.zeros(3)
+            "What falls away", "/site/camera_away", (*_NOT_CHASE, _BEAMS, *_OWN), pages.EYE, np.zeros(3)
         )
 
     def _each(
-        self, camera: str, name: str, hidden: Sequence[str], eye: np.ndarray
+        self, camera: str, name: str, hidden: Sequence[str], eye: np.ndarray, **more: Any
     ) -> rrb.Spatial3DView | rrb.Grid:
         """View from the same camera of each flight, side by side."""
         titles, own = [f"{name}: {label}" if label else name for label in self.labels], (*_OWN, "camera/name")
         views = [
-            self._view(title, f"{root}/{camera}", hidden, eye, np.zeros(3), not_of_others=own)
+            self._view(title, f"{root}/{camera}", hidden, eye, np.zeros(3), not_of_others=own, **more)
             for root, title in zip(self.roots, titles, strict=True)
         ]
         return views[0] if len(views) == 1 else self.rrb.Grid(*views, name=name)
@@ -327,8 +341,8 @@ class Layout:
 
     def _site(self) -> rrb.Spatial3DView:
         """The vehicle where it comes to rest."""
-        end = self.end
-        return self._view("Site", "/site", _NOT_SITE, end + [16.0, -26.0, 9.0], end)
+        end, hidden = self.end, (*_NOT_SITE, _KEY)
+        return self._view("Site", "/site", hidden, end + [16.0, -26.0, 9.0], end)
 
     def _above(self, scanned: np.ndarray) -> rrb.Spatial3DView:
         """The ground below the hover, north up."""
@@ -341,12 +355,10 @@ class Layout:
         middle = self.motion.site.in_F(0.5 * (self.start + self.end)) / 1e3
         return self._scene("Globe", "/globe", ["$origin/**"], 2.3 * middle, 0.0 * middle)
 
-    def _window(self, seconds: float) -> rrb.VisibleTimeRanges:
-        """The last seconds before the cursor."""
+    def _window(self, seconds: float, after: float = 0.0) -> rrb.VisibleTimeRanges:
+        """The time (s) from before to after the cursor."""
         edge = self.rrb.TimeRangeBoundary.cursor_relative
-        span = self.rrb.VisibleTimeRange(pages.TIMELINE, start=edge(seconds=-seconds), end=edge())
+        span = self.rrb.VisibleTimeRange(
+            pages.TIMELINE, start=edge(seconds=-seconds), end=edge(seconds=after)
+        )
         return self.rrb.VisibleTimeRanges(span)
-
-
-def _title(plot: Plot) -> str:
-    return plot.label[0].upper() + plot.label[1:]

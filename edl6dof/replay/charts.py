@@ -1,7 +1,9 @@
-"""The plots over time, the thrusters' duty, and the phase planes with the zones of the controller at work.
+"""The plots over time, and the phase planes with the zones of the controller at work.
 
 The viewer puts its ticks at multiples of a power of ten, and leaves out those that would stand closer than a
-line of text: of seven or more in a plot a sixth of a window high, only the one at zero remains.
+line of text: of seven or more in a plot a sixth of a window high, only the one at zero remains.  It draws a
+legend over the curves; a legend therefore gets the corner with the most room, and the axis is extended as far
+as room is lacking.  On a page that shows the time around the present, the viewer itself fits the axis.
 
 Phase planes have the attitude error (goal minus actual) across and the body's rate upwards (bank control
 subtracts the slow turn of the velocity frame).  Both axes are compressed beyond about one unit (arsinh), so
@@ -11,17 +13,16 @@ that a bank reversal and the last tenth of a degree fit into one picture.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from edl6dof.replay.history import History, thin, vector
-from edl6dof.replay.pages import GROUPS, NAVIGATION, OF_JETS, PAGES
+from edl6dof.replay.pages import NAVIGATION, OF_JETS, PAGES, SHARES, plot_columns
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
 from edl6dof.report.catalogue import Plot
 from edl6dof.report.flight.phase_planes import zones_of
-from edl6dof.report.palette import BLUE, GREEN, ORANGE, SERIES, VERMILION, rgb
+from edl6dof.report.palette import BLUE, GREEN, ORANGE, VERMILION, rgb
 from edl6dof.telemetry.thinning import rows_to_draw
 
 if TYPE_CHECKING:
@@ -34,9 +35,13 @@ NAVIGATION_COLUMNS = tuple(name for plot in PAGES[NAVIGATION] for name in plot.c
 #: Approximate limit on the rows of a plot: more than a screen has columns of pixels.
 MOST = 6000
 #: Most steps between ticks that a plot of the least height has room for.
-STEPS = 4.5
+STEPS = 5.5
 #: Room above and below the curves, share of the range.
 ROOM = 0.06
+#: Width and height (px) of the window for which legends are laid out; height of the plots of a page, and what
+#: axes and title take of the width and height of a plot; width of a letter and height of a line of a legend,
+#: and its width and height without them.
+WINDOW_PX, PLOTS_PX, AROUND_PX, LETTER_PX, LEGEND_PX = 1920, 763, (50, 44), (6.5, 23.0), (30, 8)
 AXES = ("roll", "pitch", "yaw")
 #: Telemetry columns that the phase planes show.
 PLANE_COLUMNS = (
@@ -58,9 +63,6 @@ class Charts(Recorder):
         for plot in shown(self.flight):
             lines = [(name, colour) for name, colour, _ in plot.lines]
             self.static(self._entity(plot.key), self._lines(lines))
-        for group, names in self._groups():
-            lines = [(name, SERIES[k % len(SERIES)]) for k, name in enumerate(names)]
-            self.static(self._entity(f"thruster_duty/{group}"), self._lines(lines))
 
     def motions(self) -> None:
         """Write each series over the time in which it is valid."""
@@ -69,18 +71,9 @@ class Charts(Recorder):
             if len(t):
                 rows = rows_to_draw(t, curves, MOST)
                 self._scalars(plot.key, t[rows], curves[rows])
-        rows = thin(self.t, SLOW_HZ)
-        for group, names in self._groups():
-            self._scalars(f"thruster_duty/{group}", self.t[rows], self.flight.mean_duty(rows, names))
 
     def _entity(self, name: str) -> str:
         return f"plots/{name}/flight_{self.number}" if self.number else f"plots/{name}"
-
-    def _groups(self) -> list[tuple[str, list[str]]]:
-        jets = self.vehicle.rcs.thrusters
-        by_group = {group: [jet.name for jet in jets if jet.group == group] for group in GROUPS}
-        flown = set(self.flight.jets)
-        return [(group, names) for group, names in by_group.items() if names and set(names) <= flown]
 
     def _lines(self, lines: Sequence[tuple[str, str]]) -> rr.SeriesLines:
         """Look of lines (name, colour); with several flights, the flight's label is added, and shades of its
@@ -137,18 +130,69 @@ def axis_range(low: float, high: float) -> tuple[float, float]:
     return float(low - room), float(high + room)
 
 
-def ranges(
-    flights: Sequence[History], spans: dict[str, tuple[float, float]]
-) -> dict[tuple[str, str], tuple[float, float]]:
-    """Return the first and last value on the axis of each plot, by page and key, in the time of the page."""
+class Frame(NamedTuple):
+    """First and last value on the axis of a plot, and the corner of its legend."""
+
+    axis: tuple[float, float]
+    corner: Literal["RightTop", "RightBottom", "LeftTop", "LeftBottom"]
+
+
+def legend(plot: Plot, label: str) -> list[str]:
+    """Return the names in the legend of a plot for the flight with a label, empty if it is alone."""
+    return list(dict.fromkeys(f"{label}: {name}" if label else name for name, _, _ in plot.lines))
+
+
+def legend_share(page: str, count: int, names: Sequence[str]) -> tuple[float, float]:
+    """Return width and height of a legend as shares of each of the ``count`` plots of a page."""
+    columns, share = plot_columns(page, count), SHARES[page][-1] / sum(SHARES[page])
+    width = WINDOW_PX * share / columns - AROUND_PX[0]
+    height = PLOTS_PX / -(-count // columns) - AROUND_PX[1]
+    wide, high = LEGEND_PX[0] + LETTER_PX[0] * max(map(len, names)), LEGEND_PX[1] + LETTER_PX[1] * len(names)
+    return wide / width, min(high / height, 0.6)
+
+
+def framed(whole: Sequence[float], left: Sequence[float], right: Sequence[float], height: float) -> Frame:
+    """Return the frame of curves with the ends ``whole``, so that a legend of some ``height`` (share of the
+    plot) covers none; ``left`` and ``right``: ends of the curves in its width at both sides.
+    """
+    low, high = whole
+    while True:
+        first, last = axis_range(low, high)
+        room: dict[Any, float] = {}
+        for side, values in (("Right", right), ("Left", left)):
+            bottom, top = values or (np.inf, -np.inf)
+            room |= {f"{side}Top": (last - top) / (last - first)}
+            room |= {f"{side}Bottom": (bottom - first) / (last - first)}
+        corner = max(room, key=lambda name: room[name])
+        lacking = (height - room[corner]) * (last - first) / (1.0 - height)
+        if lacking <= 1e-6 * (last - first):
+            return Frame((first, last), corner)
+        if corner.endswith("Top"):
+            high += lacking
+        else:
+            low -= lacking
+
+
+def frames(
+    flights: Sequence[History], spans: Mapping[str, tuple[float, float]], labels: Sequence[str]
+) -> dict[tuple[str, str], Frame]:
+    """Return the frame of each plot, by page and key, in the time (s) of the page; ``labels``: of flights."""
     found = {}
-    curves: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-    for flight in flights:
-        for plot in shown(flight):
-            curves.setdefault(plot.key, []).append(drawn(plot, flight))
-    for key, page in product(curves, spans):
-        if values := [value for one in curves[key] for value in ends(*one, spans[page])]:
-            found[page, key] = axis_range(min(values), max(values))
+    plots = [{plot.key: plot for plot in shown(flight)} for flight in flights]
+    for page, (first, last) in spans.items():
+        keys = [plot.key for plot in PAGES[page] if plot.key in plots[0]]
+        for key in keys:
+            having = [k for k, own in enumerate(plots) if key in own]
+            names = [name for k in having for name in legend(plots[k][key], labels[k])]
+            width, height = legend_share(page, len(keys), names) if len(names) > 1 else (0.0, 0.0)
+            room, curves = width * (last - first), [drawn(plots[k][key], flights[k]) for k in having]
+            of_whole, of_left, of_right = (
+                [value for one in curves for value in ends(*one, within)]
+                for within in ((first, last), (first, first + room), (last - room, last))
+            )
+            if of_whole:
+                left, right = ([min(of), max(of)] if of else [] for of in (of_left, of_right))
+                found[page, key] = framed([min(of_whole), max(of_whole)], left, right, height)
     return found
 
 

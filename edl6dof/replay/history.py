@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Rate of the thinned rows, Hz.
 POSE_HZ = 25.0
+#: Least duty of a thruster that counts as firing.
+FIRING = 0.02
 #: Number of rows beyond which only those near an event are all kept, and time (s) from an event that is near.
 MANY, BESIDE_S = 30_000, 60.0
 
@@ -78,6 +80,7 @@ class History:
             finite place and attitude.
         columns: telemetry columns by name at the thinned rows ``t``; those that the flight lacks are absent.
         duty: mean duty of each thruster from each row to the next, shape (rows, thrusters), single precision.
+        firing: True where a thruster fires, by its name, at the rows of ``series``, which resolve each pulse.
         jets: names of the thrusters.
         instruments: state of each instrument at the thinned rows; empty without navigation on instruments.
         failures: true state of each thruster that fails, by name, at the thinned rows; 0 works.
@@ -97,12 +100,13 @@ class History:
         with np.errstate(over="ignore"):  # of a flight that diverged
             self.series = {name: table[name][rows].astype(np.float32) for name in plotted if name in table}
         self.series["t_s"] = table["t_s"][rows]
+        self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
+        self.firing = {jet: table[f"rcs.{jet}"][rows] > FIRING for jet in self.jets}
         rows = rows[poses(table["t_s"][rows], [event["t_s"] for event in flight.events])]
         components = flight.scenario.components if on_instruments(flight) else {}
         needed = dict.fromkeys([*POSES, *names, *columns_of(components)])
         self.columns = {name: np.asarray(table[name][rows], dtype=float) for name in needed if name in table}
         self.t = self.columns["t_s"]
-        self.jets = [jet.name for jet in flight.scenario.vehicle.rcs.thrusters if f"rcs.{jet.name}" in table]
         self.duty = np.zeros((len(rows), len(self.jets)), np.float32)
         for k, jet in enumerate(self.jets if len(rows) else ()):
             self.duty[:, k] = _mean_between(np.nan_to_num(table[f"rcs.{jet}"]), rows)
@@ -114,10 +118,6 @@ class History:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.columns[name]
-
-    def mean_duty(self, rows: np.ndarray, names: list[str]) -> np.ndarray:
-        """Return the mean duty of thrusters from each of ``rows`` to the next, shape (rows, thrusters)."""
-        return _mean_between(self.duty[:, [self.jets.index(name) for name in names]], rows)
 
 
 def on_instruments(flight: Flown) -> bool:

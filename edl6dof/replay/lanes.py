@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.replay.history import POSE_HZ, thin
+from edl6dof.replay.history import thin
 from edl6dof.replay.pages import ENGINE, PHASE, VEHICLE, Labels, lane_of
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.mesh import RGB
@@ -16,18 +16,18 @@ from edl6dof.report.catalogue import STATES
 from edl6dof.report.palette import BAD, BLUE, GREEN, ORANGE, VERMILION, rgb
 from edl6dof.telemetry.columns import EXCLUDED
 
-CONFIGURATIONS = ("entry vehicle", "under parachute", "heat shield gone", "lander")
+CONFIGURATIONS = ("entry vehicle", "parachute open", "heat shield gone", "lander")
 OFF, FIRE, RED = (48, 48, 54), rgb(ORANGE), rgb(BAD)
 #: Keys of events that are warnings.
 TROUBLES = ("fault", "diagnosis", "exclusion", "guard")
-#: Least duty of a thruster that counts as firing.
-FIRING = 0.02
-#: Least width of a page's lanes, and room that a letter takes, px.
-LANE_PX, LETTER_PX = 800.0, 6.6
+#: Width of a page's lanes in a window 1920 px wide, and room that a letter takes, px.
+LANE_PX, LETTER_PX = 1100.0, 6.6
 #: Most letters of an event's name, so that the column of its place has room.
 MOST_LETTERS = 44
 #: A label that shows nothing; for an empty one the viewer would show the state's own name.
 _BLANK = " "
+#: Labels of states that do not show their names.
+_SHORT = {"firing": _BLANK, "used": _BLANK}
 
 
 #: Least rate of the rows, Hz.
@@ -101,7 +101,7 @@ class Lanes(Recorder):
             self._lane(name, lane)
         if self.vehicle.engines:
             on = np.nan_to_num(self.flight["truth.engine_thrust_n"]) > 1.0
-            self._switched(ENGINE, {"on": (on, FIRE)})
+            self._switched(ENGINE, self.t, {"on": (on, FIRE)})
         self._thrusters()
         self._instruments()
         self._events()
@@ -123,33 +123,35 @@ class Lanes(Recorder):
         }
 
     def _thrusters(self) -> None:
-        """Write a lane for each thruster: firing or failed; pulses less than a second apart are one burst."""
-        for k, jet in enumerate(self.flight.jets):
-            failed = self.flight.failures.get(jet, np.zeros(len(self.t))) > 0
-            firing = _bursts(self.flight.duty[:, k] > FIRING) & ~failed
-            self._switched(lane_of("thruster", jet), {"firing": (firing, FIRE), "failed": (failed, RED)})
+        """Write a lane for each thruster, with every pulse; firing or failed."""
+        t = self.flight.series["t_s"]
+        thinned = np.searchsorted(self.t, t).clip(max=len(self.t) - 1)
+        for jet, firing in self.flight.firing.items():
+            failed = self.flight.failures.get(jet, np.zeros(len(self.t)))[thinned] > 0
+            states = {"firing": (firing & ~failed, FIRE), "failed": (failed, RED)}
+            self._switched(lane_of("thruster", jet), t, states)
 
     def _instruments(self) -> None:
         """Write a lane for each instrument: in use, saturated or excluded; or, of a beam, its echo used."""
         for one in self.flight.instruments:
             shown = (state for state in one.states if state in STATES)
             states = {state: (one.holds(state), rgb(STATES[state])) for state in shown}
-            self._switched(lane_of(one.kind, one.name), states)
+            self._switched(lane_of(one.kind, one.name), self.t, states)
 
-    def _switched(self, name: str, when: dict[str, tuple[np.ndarray, RGB]]) -> None:
-        """Write a lane of the states in ``when``, each with its rows (bool) and colour; off elsewhere."""
-        states, colours, code = ["off", *when], [OFF], np.zeros(len(self.t), int)
+    def _switched(self, name: str, t: np.ndarray, when: Mapping[str, tuple[np.ndarray, RGB]]) -> None:
+        """Write a lane of the states in ``when``, each with its rows (bool) at times ``t`` (s) and colour."""
+        states, colours, code = ["off", *when], [OFF], np.zeros(len(t), int)
         for number, (holds, colour) in enumerate(when.values(), 1):
             code[holds] = number
             colours.append(colour)
         first = np.append(0, np.flatnonzero(np.diff(code)) + 1)
-        changes = [(float(self.t[i]), states[code[i]]) for i in first]
-        shown = [False] + [True] * len(when)
-        self._lane(name, Lane(changes, states, colours), shown)
+        changes = [(float(t[i]), states[code[i]]) for i in first]
+        look = {"visible": [False] + [True] * len(when), "labels": [_SHORT.get(one, one) for one in states]}
+        self._lane(name, Lane(changes, states, colours), **look)
 
-    def _lane(self, name: str, lane: Lane, shown: Any = None) -> None:
-        look = {"values": list(lane.values), "colors": list(lane.colours), "visible": shown}
-        self.static(name, self.rr.StateConfiguration(**look))
+    def _lane(self, name: str, lane: Lane, **look: Any) -> None:
+        values, colours = list(lane.values), list(lane.colours)
+        self.static(name, self.rr.StateConfiguration(values=values, colors=colours, **look))
         t, states = zip(*lane.changes, strict=True)
         self.columns(name, np.array(t), self.rr.StateChange.columns(state=states))
 
@@ -171,7 +173,9 @@ class Lanes(Recorder):
 def fitted(
     changes: Sequence[tuple[float, str]], values: Sequence[str], span: tuple[float, float]
 ) -> list[str]:
-    """Return the label of each of ``values``, blank without room in a lane over the time ``span`` (s)."""
+    """Return the label of each of ``values`` in a lane over the time ``span`` (s): without room for the name
+    its first word, else its initials, else blank.
+    """
     first, last = span
     room = dict.fromkeys(values, 0.0)
     ends = [t for t, _ in changes[1:]] + [max(last, changes[-1][0])]
@@ -179,8 +183,15 @@ def fitted(
         share = (min(end, last) - max(begin, first)) / max(last - first, 1e-9)
         room[value] = max(room[value], share * LANE_PX)
     return [
-        value.replace("_", " ") if LETTER_PX * (len(value) + 1) <= room[value] else _BLANK for value in values
+        next((label for label in forms(value) if LETTER_PX * (len(label) + 1) <= room[value]), _BLANK)
+        for value in values
     ]
+
+
+def forms(value: str) -> list[str]:
+    """Return a state's name, the first word of it, and its initials."""
+    words = value.split("_") if "_" in value else value.split()
+    return [" ".join(words), words[0], "".join(word[0] for word in words).upper()]
 
 
 def _said(event: Any) -> str:
@@ -193,16 +204,6 @@ def _table(lines: Sequence[Sequence[str]], now: int) -> str:
     rows = [[f"**{cell}**" if k == now and cell else cell for cell in line] for k, line in enumerate(lines)]
     body = [f"| {' | '.join(row)} |" for row in rows[max(now - 1, 0) :]]
     return "\n".join(["| time | event | where |", "|--:|:--|:--|", *body])
-
-
-def _bursts(firing: np.ndarray) -> np.ndarray:
-    """Close the gaps between pulses of one burst."""
-    rows = np.flatnonzero(firing)
-    close = np.flatnonzero((np.diff(rows) > 1) & (np.diff(rows) < POSE_HZ * 1.0))
-    joined = firing.copy()
-    for i in close:
-        joined[rows[i] : rows[i + 1]] = True
-    return joined
 
 
 class Readout(Recorder):
@@ -288,9 +289,15 @@ class Readout(Recorder):
             (True, "axes x, y, z", "red, green, blue; B of the body, V of the velocity"),
             (True, "arrows", "velocity cyan, lift green, thrust amber, disturbance pink"),
             (True, "target, planned ellipse", "cyan"),
-            ("beam" in kinds, "radar beams", "echo used green, not used amber, excluded red"),
-            (flight.landing_map is not None, "hazard map", "safe green, too steep amber, too rough red"),
+            (
+                "beam" in kinds,
+                "radar beams, on page Navigation",
+                "echo used blue, not used purple, excluded red",
+            ),
             (bool(flight.failures), "thruster", "failed red"),
             (bool(self.vehicle.engines), "lane of the engine", "burning orange"),
+            (bool(flight.jets), "lane of a thruster", "firing orange, failed red"),
         ]
+        short = [forms(self.names[k]) for k in np.unique(self.phase)]
+        known += [(True, f"phase {letters}", words) for words, _, letters in short]
         return [(what, colours) for there, what, colours in known if there]

@@ -12,8 +12,6 @@ from edl6dof.report.palette import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, S
 #: Colours of phases, in their order, and of several flights in a recording.
 PHASES = tuple(rgb(colour) for colour in (*SERIES, GREY))
 FLIGHTS = tuple(rgb(colour) for colour in (BLACK, VERMILION, SKY, GREEN, ORANGE, PURPLE))
-#: Titles of the thruster plots by group.
-GROUPS = {"horizontal": "Horizontal", "axial": "Axial", "attitude": "Attitude", "fine": "Fine"}
 #: The pages of powered descent, of the choice of a spot, of flights that navigate with instruments, of the
 #: thrusters, and of the scripted camera.
 POWERED, HAZARDS, NAVIGATION, THRUSTERS, TOUR = (
@@ -21,8 +19,7 @@ POWERED, HAZARDS, NAVIGATION, THRUSTERS, TOUR = (
 )  # fmt: skip
 #: All pages, in their order.
 TITLES = ("Flight", "Entry", "Parachute", POWERED, HAZARDS, "Control", NAVIGATION, THRUSTERS, TOUR)
-#: Plots by page.
-PAGES: dict[str, tuple[p.Plot, ...]] = {
+_PLOTS: dict[str, tuple[p.Plot, ...]] = {
     "Flight": (p.ALTITUDE, p.SPEED, p.LOAD, p.PROPELLANT),
     "Entry": (p.BANK, p.ALPHA, p.DRAG, p.BETA, p.RANGE, p.CROSSRANGE, p.MACH, p.HEAT, p.PRESSURE),
     "Parachute": (p.ALTITUDE, p.MACH, p.TENSION, p.PRESSURE, p.TOTAL_ALPHA, p.RATES),
@@ -32,12 +29,20 @@ PAGES: dict[str, tuple[p.Plot, ...]] = {
         *(p.POSITION_ERROR, p.VELOCITY_ERROR, p.ATTITUDE_ERROR, p.INNOVATION, p.HEIGHT_ERROR),
         *p.VELOCITY_ERROR.apart("backshell"),
     ),
-    THRUSTERS: (p.DIAGNOSIS, p.PROPELLANT),
+    THRUSTERS: (p.DIAGNOSIS,),
 }
+#: Plots by page, in the units of readout and events.
+PAGES = {page: tuple(plot._replace(kilo=False) for plot in plots) for page, plots in _PLOTS.items()}
 #: Pages of a vehicle with thrusters.
 OF_JETS = ("Control", THRUSTERS)
-#: Pages of fast processes, and the time (s) before and after the present that their plots show.
-AROUND_NOW, NEAR_S = ("Control", NAVIGATION, THRUSTERS), 60.0
+#: Pages of fast processes, and the time (s) before and after the present that their plots and lanes show: on
+#: page Thrusters so short that every pulse is seen.
+AROUND_NOW = {"Control": 60.0, NAVIGATION: 60.0, THRUSTERS: 5.0}
+#: Shares of a page's views from left to right; the plots are the last of them, or on page Thrusters below.
+SHARES = {
+    "Flight": (9, 5, 10), "Entry": (5, 8), "Parachute": (11, 8), POWERED: (5, 8), "Control": (2, 5),
+    NAVIGATION: (4, 9), THRUSTERS: (1, 1),
+}  # fmt: skip
 #: Lanes of every page.
 PHASE, VEHICLE, ENGINE = "Phase", "Vehicle", "Engine"
 #: Titles of the lanes of instruments by kind.
@@ -59,6 +64,11 @@ Labels = dict[str, dict[str, list[str]]]
 def lane_of(kind: str, name: str) -> str:
     """Return the entity of the lane of a thruster or an instrument."""
     return f"/{kind.capitalize()}-{name}"
+
+
+def plot_columns(page: str, count: int) -> int:
+    """Return the number of columns in which a page shows ``count`` plots."""
+    return 1 if page in ("Flight", THRUSTERS) else 3 if count > 8 else 2
 
 
 def spans_of(flown_s: tuple[float, float], when: Mapping[str, float]) -> dict[str, tuple[float, float]]:

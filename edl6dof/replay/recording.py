@@ -51,8 +51,10 @@ def write_replay(
     labels: Sequence[str] = (),
     page: str = "Flight",
     ensemble: Ensemble | None = None,
+    bare: bool = False,
 ) -> None:
-    """Write flights, in the landing-site frame of the first, as one recording (.rrd) with ``page`` in front.
+    """Write flights, in the landing-site frame of the first, as one recording (.rrd) with ``page`` in front,
+    or alone and without the viewer's controls if ``bare``.
 
     ``labels`` distinguish several flights, or one from the trajectories of a campaign in ``ensemble``; a
     flight alone needs none.
@@ -69,7 +71,7 @@ def write_replay(
     stream = rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}")
     with _failing_as_the_system_says(path), stream as recording:
         layout = Layout(flights, motions[0], recording, labels, ensemble is not None)
-        recording.save(str(path), default_blueprint=layout.blueprint(page))
+        recording.save(str(path), default_blueprint=layout.blueprint(page, bare))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
         parts = [
             part(flight, motion, recording, k, labels[k] if labels else "")

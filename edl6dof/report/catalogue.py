@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
+from math import inf
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from edl6dof.config.errors import nearest, refusal
 from edl6dof.report.document import printed
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
-from edl6dof.report.palette import BAD, GREEN, GREY, ORANGE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
+from edl6dof.report.palette import BAD, BLUE, GREEN, GREY, ORANGE, PURPLE, ROUGH, SAFE, SERIES, STEEP, UNSEEN
 from edl6dof.telemetry.columns import EXCLUDED, IN_USE, NOT_USED, SATURATED, USED, describe
 
 #: Number of claimed standard deviations at which bounds are drawn.
@@ -23,7 +24,7 @@ BOUND = 3.0
 #: Names of curves that are drawn dashed: commanded or estimated values, over the true ones.
 _DASHED = ("commanded", "reference", "believed", "navigated, no wind", "above the areoid")
 #: Colours of the states of an instrument; a radar beam without an echo has none.
-STATES = {IN_USE: GREEN, USED: GREEN, SATURATED: ORANGE, NOT_USED: ORANGE, EXCLUDED: BAD}
+STATES = {IN_USE: GREEN, USED: BLUE, SATURATED: ORANGE, NOT_USED: PURPLE, EXCLUDED: BAD}
 #: Words and colours of the classes of cells of a hazard map.
 CELLS: dict[str, tuple[str, str]] = {
     "safe": ("safe to stand on", SAFE),
@@ -130,12 +131,12 @@ def _each_axis(key: str, title: str, curves: Mapping[str, str], clip: bool = Fal
 
 
 # fmt: off
-ALTITUDE = Plot("altitude_km", "height", {
+ALTITUDE = Plot("altitude", "height", {
     "truth.altitude_m": "above the ellipsoid", "truth.height_above_areoid_m": "above the areoid",
     "truth.height_m": "above the ground"}, kilo=True)
-SPEED = Plot("speed_km_s", "speed over ground", {"truth.speed_m_s": "speed"}, kilo=True)
+SPEED = Plot("speed", "speed over ground", {"truth.speed_m_s": "speed"}, kilo=True)
 MACH = Plot("mach", "Mach number", {"truth.mach": "Mach"}, until="backshell")
-PRESSURE = Plot("dynamic_pressure_kpa", "dynamic pressure", {"truth.dynamic_pressure_pa": "dynamic pressure"},
+PRESSURE = Plot("dynamic_pressure", "dynamic pressure", {"truth.dynamic_pressure_pa": "dynamic pressure"},
                 kilo=True, until="backshell")
 LOAD = Plot("load_g0", "load", {"truth.load_g0": "sensed acceleration"})
 HEAT = Plot("heat_flux_w_cm2", "heat flux", {"truth.heat_flux_w_cm2": "stagnation point"}, until="mortar")
@@ -154,12 +155,12 @@ CROSSRANGE = Plot("crossrange_km", "crossrange", {"guide.crossrange_km": "right 
 DRAG_DISTURBANCE, PATH_DISTURBANCE = (
     Plot(name, f"estimated {title} disturbance", {f"guide.{name}": "estimated"}, until="mortar")
     for name, title in (("drag_disturbance_m_s4", "drag"), ("path_disturbance_deg_s", "path")))
-TENSION = Plot("riser_tension_kn", "riser tension", {"truth.riser_tension_n": "tension"}, kilo=True,
+TENSION = Plot("riser_tension", "riser tension", {"truth.riser_tension_n": "tension"}, kilo=True,
                since="mortar", until="backshell")
 DESCENT = Plot("descent_m_s", "descent speed", {"truth.v_down_m_s": "down"}, since="mortar")
 HEIGHT = Plot("height_m", "height above the ground", {"truth.height_m": "height"}, since="backshell")
 VELOCITY = Plot("velocity_m_s", "velocity", _axes("truth.v_{}_m_s", "down north east"), since="backshell")
-THRUST = Plot("engine_thrust_kn", "engine thrust", {
+THRUST = Plot("engine_thrust", "engine thrust", {
     "truth.engine_thrust_n": "delivered", "guide.thrust_n": "commanded"}, kilo=True, since="backshell")
 TILT = Plot("tilt_deg", "tilt from the vertical", {"truth.tilt_deg": "thrust axis"}, since="backshell")
 OFFSET = Plot("site_offset_m", "distance from the site", {
@@ -203,7 +204,7 @@ class Stack(NamedTuple):
         needs: channels of which one must have a signal, or an event that must have happened.
         since, until: events between which the plots are drawn, instead of their own.
         around: first and last time (s) that are drawn, relative to the event ``since``, if given.
-        above: channel and value, if given: only rows in which the channel exceeds the value are drawn.
+        within: channel and two values, if given: only rows with the channel between them are drawn.
     """
 
     key: str
@@ -215,7 +216,7 @@ class Stack(NamedTuple):
     since: str = ""
     until: str = ""
     around: tuple[float, float] | None = None
-    above: tuple[str, float] | None = None
+    within: tuple[str, float, float] | None = None
 
 
 # fmt: off
@@ -228,6 +229,9 @@ _GROUND = "Estimated less true: height above the ground below, and velocity rela
 OVERVIEW = Stack("overview", "The whole flight", (ALTITUDE, SPEED, PRESSURE, LOAD, HEAT),
     "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below.", 150,
     until="end")
+NEAR_GROUND = Stack("near_ground", "The last 4 km", (ALTITUDE,),
+    "From 4 km above the ground, where the three heights differ visibly.", 240, ("mortar",),
+    until="end", within=("truth.height_m", -inf, 4000.0))
 NAV_POSITION, NAV_ATTITUDE, NAV_VELOCITY = (
     Stack(plot.key, f"Error of {title}", plot.apart(), _TRUE_AXES, 150, until="touchdown")
     for title, plot in (("position", POSITION_ERROR), ("attitude", ATTITUDE_ERROR),
@@ -256,7 +260,7 @@ STACKS: dict[str, tuple[Stack, ...]] = {
     "attitude": (
         Stack("air_angles", "Angles to the air", (ALPHA, BETA, TOTAL_ALPHA),
             "Shown while dynamic pressure is above 1 Pa.", 160, _TURNING,
-            above=("truth.dynamic_pressure_pa", 1.0)),
+            within=("truth.dynamic_pressure_pa", 1.0, inf)),
         Stack("rates", "Body rates", RATES.apart(), "Inertial rates in body axes.", 150, _TURNING,
             until="touchdown"),
         Stack("attitude_error", "Attitude error used by the controller", ERROR.apart(),
@@ -280,7 +284,7 @@ STACKS: dict[str, tuple[Stack, ...]] = {
 ALL_STACKS: dict[str, Stack] = {
     stack.key: stack
     for stack in (
-        *(OVERVIEW, *STACKS["guidance"]),
+        *(OVERVIEW, NEAR_GROUND, *STACKS["guidance"]),
         *(NAV_POSITION, NAV_ATTITUDE, NAV_LANDING, NAV_TOUCHDOWN, NAV_INNOVATION),
         *(
             *STACKS["attitude"],

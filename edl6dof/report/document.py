@@ -79,7 +79,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report."""
+    """A whole report; ``picture``: figure at its head."""
 
     title: str
     headline: str
@@ -88,9 +88,11 @@ class Report:
     facts: Sequence[Fact] = ()
     sections: Sequence[Section] = ()
     footer: str = ""
+    picture: Figure | None = None
 
     def figures(self) -> Iterator[Figure]:
         """Return all figures in order."""
+        yield from [self.picture] if self.picture is not None else []
         for section in self.sections:
             yield from (block for block in section.blocks if isinstance(block, Figure))
 

@@ -36,13 +36,15 @@ PHASES = _inks(
 #: Grounds of classes of cells, light enough for what is drawn on them: from the best to the worst, and
 #: unknown ones.
 SAFE, UNSEEN, STEEP, ROUGH, UNKNOWN = _inks(
-    "#b7e3c8 #1c7a52", "#aeb4bc #4c525a", "#f7d08a #d0a03a", "#e79a7c #a83f22", "#e6e8eb #343b44"
+    "#a9d3f2 #2a78c2", "#b4b4b4 #4c525a", "#f9d98c #e0b13c", "#cf7f66 #a83f22", "#e6e8eb #343b44"
 )
 #: Sequential scale from paper white to dark blue: it saves ink, and lightness alone shows its order.
 SEQUENTIAL = _inks(
     "#f7f9fb #1b2027", "#cfe1f2 #173a5e", "#93c4de #1f5f93", "#4a97c9 #3f8fc4", "#1764ab #86bfe3",
     "#08306b #e2f0fa",
 )  # fmt: skip
+#: Heights of the ground, from low to high.
+RELIEF = _inks("#fbf6ef #1f1a16", "#efdfcb #3b2f26", "#dfc4a3 #5f4a3a", "#c9a47d #8a6a50", "#ab825d #b89470")
 
 
 def rgb(colour: str) -> tuple[int, int, int]:

@@ -19,9 +19,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
 
 A4 = (8.27, 11.69)
-ROWS_PER_PAGE = 70
-#: Size of the panels on a page of figures, relative to those of a figure drawn alone.
-SHRINK = 0.78
+#: Lines of a page, and those that the picture on the first page takes.
+ROWS_PER_PAGE, PICTURE_ROWS = 82, 23
+#: Sizes of panels on a page of figures, relative to those of a figure drawn alone, the preferred one first.
+SHRINK = (0.78, 0.74, 0.70, 0.66)
+#: Largest factor by which the figures of a page are stretched to fill it.
+STRETCH = 1.3
+#: Largest number of figures that a later one may overtake to fill a page.
+AHEAD = 6
 #: Margin of a page, as a share of it; inches from top to foot of its text, and between figures.
 MARGIN = 0.05
 ROOM, GAP = A4[1] * (1.0 - 2.0 * MARGIN), 0.12
@@ -44,10 +49,10 @@ def write_pdf(report: Report, path: Path) -> None:
 
         about = {"Title": report.title, "Subject": report.headline, "CreationDate": None}
         with PdfPages(path, metadata=about) as pages:
-            for lines in _pages(report):
-                pages.savefig(_word_page(lines))
+            for number, lines in enumerate(_pages(report)):
+                pages.savefig(_word_page(lines, None if number else report.picture))
             with matplotlib.rc_context(LETTERS):
-                for placed in figure_pages(report.figures()):
+                for placed in figure_pages(one for one in report.figures() if one is not report.picture):
                     pages.savefig(_figure_page(placed))
 
 
@@ -60,23 +65,34 @@ class Placed(NamedTuple):
     columns: Sequence[int]
 
 
-def figure_pages(figures: Iterable[Figure]) -> Iterator[list[Placed]]:
-    """Yield the figures of each page in order: wide ones across both columns, others in the shorter one."""
-    page: list[Placed] = []
-    feet = [0.0, 0.0]
-    for figure in figures:
-        columns = _columns(figure, feet)
-        size = min(height(figure, SHRINK, COLUMN * len(columns)), ROOM)
-        top = max(feet[column] for column in columns)
-        if top + size > ROOM:
-            yield page
-            page, feet, top = [], [0.0, 0.0], 0.0
+def figure_pages(figures: Iterable[Figure]) -> list[list[Placed]]:
+    """Return the figures of each page, on the fewest pages that one of the sizes needs."""
+    every = list(figures)
+    return min((_laid_out(every, shrink) for shrink in SHRINK), key=len)
+
+
+def _laid_out(figures: Sequence[Figure], shrink: float) -> list[list[Placed]]:
+    """Figures of each page: wide ones across both columns, others in the shorter one.
+
+    Figures that do not fit on a page wait for the next one; up to ``AHEAD`` may be overtaken.
+    """
+    waiting, pages = list(figures), list[list[Placed]]()
+    while waiting:
+        page, feet, left = list[Placed](), [0.0, 0.0], list[Figure]()
+        for figure in waiting:
             columns = _columns(figure, feet)
-        page.append(Placed(figure, top, top + size, columns))
-        for column in columns:
-            feet[column] = top + size + GAP
-    if page:
-        yield page
+            size = min(height(figure, shrink, COLUMN * len(columns)), ROOM)
+            top = max(feet[column] for column in columns)
+            if len(left) >= AHEAD or top + size > ROOM:
+                left.append(figure)
+                continue
+            page.append(Placed(figure, top, top + size, columns))
+            for column in columns:
+                feet[column] = top + size + GAP
+        factor = min(ROOM / max(one.foot for one in page), STRETCH)
+        pages.append([one._replace(top=factor * one.top, foot=factor * one.foot) for one in page])
+        waiting = left
+    return pages
 
 
 def _columns(figure: Figure, feet: Sequence[float]) -> Sequence[int]:
@@ -114,11 +130,17 @@ class Words(NamedTuple):
 Line = list[Words]
 
 
-def _word_page(lines: Sequence[Line]) -> Canvas:
-    """A page of lines."""
+def _word_page(lines: Sequence[Line], picture: Figure | None) -> Canvas:
+    """A page of lines, and a picture in the room that is left for it below the summary."""
     from matplotlib.figure import Figure as Canvas
 
-    canvas = Canvas(figsize=A4)
+    canvas = Canvas(figsize=A4, layout="constrained")
+    if picture is not None:
+        top = next(k for k in range(len(lines)) if lines[k : k + PICTURE_ROWS] == [[]] * PICTURE_ROWS)
+        rows = np.array([top, PICTURE_ROWS, ROWS_PER_PAGE - top - PICTURE_ROWS])
+        share = [0.05 + 0.9 * rows[0] / ROWS_PER_PAGE, *(0.9 * rows[1:] / ROWS_PER_PAGE + [0.0, 0.05])]
+        grid = canvas.add_gridspec(3, 3, height_ratios=share, width_ratios=(0.08, 0.84, 0.08))
+        draw(canvas.add_subfigure(grid[1, 1]), picture)
     for row, line in enumerate(lines):
         for x, text, size, colour, bold, align in line:
             style: Any = {"fontsize": size, "color": colour, "fontweight": "bold" if bold else "normal"}
@@ -128,34 +150,44 @@ def _word_page(lines: Sequence[Line]) -> Canvas:
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page; a table that fits on one page is not split, else its head is repeated."""
+    """Lines of each page, which takes the next tables that fit; one longer than a page is split, its head
+    repeated.
+    """
     page = list(_summary(report))
-    for section in report.sections:
-        for lines in _blocks(section):
+    waiting = [lines for section in report.sections for lines in _blocks(section)]
+    while waiting:
+        left = list[list[Line]]()
+        for lines in waiting:
             begun = len(lines) if len(lines) <= ROWS_PER_PAGE else _HEAD + 1
             if len(page) + begun > ROWS_PER_PAGE:
-                yield page[:ROWS_PER_PAGE]
-                page = []
+                left.append(lines)
+                continue
             page += lines
             while len(page) > ROWS_PER_PAGE:
                 yield page[:ROWS_PER_PAGE]
                 page = [*lines[:_HEAD], *page[ROWS_PER_PAGE:]]
             page.append([])
+        if left:
+            yield page[:ROWS_PER_PAGE]
+            page = []
+        waiting = left
     yield page + [[Words(0.0, line, colour=GREY)] for line in textwrap.wrap(report.footer, _LETTERS)]
 
 
-def _blocks(section: Section) -> Iterator[list[Line]]:
-    """Lines of each table and paragraph; the title of the section is the caption of the first."""
-    title = section.title
+def _blocks(section: Section) -> list[list[Line]]:
+    """Lines of each table with the paragraphs below it; the section's title is the caption of the first."""
+    found = list[list[Line]]()
     for block in section.blocks:
+        title = "" if found else section.title
         if isinstance(block, Table):
-            yield list(_table_lines(block, block.caption or title))
+            found.append(list(_table_lines(block, block.caption or title)))
         elif isinstance(block, Text):
-            head = [[Words(0.0, title, 9.0, bold=True)]] if title else []
-            yield head + [[Words(0.0, line)] for line in textwrap.wrap(block.words, _LETTERS)]
-        else:
-            continue
-        title = ""
+            words: list[Line] = [[Words(0.0, line)] for line in textwrap.wrap(block.words, _LETTERS)]
+            if found:
+                found[-1] += [[], *words]
+            else:
+                found.append([[Words(0.0, title, 9.0, bold=True)], *words])
+    return found
 
 
 def _summary(report: Report) -> Iterator[Line]:
@@ -170,6 +202,8 @@ def _summary(report: Report) -> Iterator[Line]:
         yield [Words(k / 4, fact.value, 9.5, _MOODS[fact.mood], bold=True) for k, fact in facts]
         yield [Words(k / 4, fact.label, colour=GREY) for k, fact in facts]
         yield []
+    if report.picture is not None:
+        yield from [[]] * PICTURE_ROWS
 
 
 def _table_lines(table: Table, caption: str) -> Iterator[Line]:

@@ -35,7 +35,7 @@ from edl6dof.vehicle.propulsion.rcs import RcsParams, branch_problems
 
 #: The body of the entry vehicle, and what is inside it; ``derived`` follows from the rest of the file.
 BodyShape = Literal["derived", "sphere_cone", "sphere", "box", "none"]
-LanderKind = Literal["derived", "legs", "platform", "rover", "none"]
+LanderKind = Literal["derived", "legs", "platform", "rover", "crane", "none"]
 
 
 class MeshFileParams(Hardware):

@@ -9,6 +9,8 @@ from made_up import read
 import edl6dof
 from edl6dof.replay.scene.landscape import NEAR, Landscape
 from edl6dof.replay.scene.poses import Site
+from edl6dof.replay.scene.sensing import PAINT
+from edl6dof.report.catalogue import CELLS
 
 pytest.importorskip("rerun")
 
@@ -62,6 +64,23 @@ def test_map_is_painted_where_it_was_seen_from_the_choice_on(flight, replay):
     assert np.allclose(places[:, :2].min(axis=0), corner, atol=0.3)
     assert np.allclose(places[:, :2].max(axis=0), corner + side, atol=0.5)
     assert len(places) == (len(found.cell_class) // 2) ** 2
+
+
+def test_legend_beside_the_map_names_each_colour_in_it(flight, replay):
+    _, columns = read(replay, "/site/hazards/map")
+    corners = np.array(columns["Mesh3D:vertex_positions"][0])
+    _, columns = read(replay, "/site/hazards/legend")
+    places = np.array(columns["Points3D:positions"][0])
+    colours = [(one >> 24, one >> 16 & 255, one >> 8 & 255) for one in columns["Points3D:colors"][0]]
+    assert colours[: len(PAINT)] == list(PAINT.values())
+    _, columns = read(replay, "/site/hazards/legend/words")
+    words = columns["Points3D:labels"][0]
+    assert words[: len(CELLS)] == [name for name, _ in CELLS.values()]
+    assert ("passed over" in words) == (len(flight.landing_map.rejected_m) > 0)
+    assert np.all(places[:, 0] < corners[:, 0].min()), "it covers nothing of the map"
+    assert np.diff(places[:, 1]) == pytest.approx(-0.15 * np.ptp(corners[:, 1]), rel=0.02)
+    _, columns = read(replay, "/site/hazards/spot")
+    assert columns["Points3D:labels"] == [["chosen spot"]]
 
 
 def test_footprint_lies_around_the_spot_and_the_lander_stands_in_it(flight, replay):

@@ -115,7 +115,7 @@ def test_a_campaign_says_which_flight_is_followed_and_why(run, tmp_path, monkeyp
     for runs in ((tmp_path,), (tmp_path, run)):
         with replays._recording(runs, ""):
             pass
-    (_, _, alone, _, told), (_, _, named, _, other) = written
+    (_, _, alone, _, told, _), (_, _, named, _, other, _) = written
     assert alone == ["nominal flight"] and told.followed.startswith("the nominal flight, in which nothing")
     assert named == ["short"] and other.followed == "short, the first run named after the campaign."
 

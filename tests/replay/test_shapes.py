@@ -8,6 +8,7 @@ import struct
 import numpy as np
 import pytest
 from made_up import entities, synthetic_flight
+from scipy.spatial import Delaunay
 
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.scene import craft_shapes
@@ -73,6 +74,36 @@ def test_the_lander_lies_inside_its_aeroshell_whatever_its_size(kind, diameter):
     shell = np.array(sorted([*shape.forebody, *shape.afterbody]))
     assert np.all(np.hypot(place[:, 1], place[:, 2]) < np.interp(place[:, 0], *shell.T, left=0.0, right=0.0))
     assert np.hypot(place[:, 1], place[:, 2]).max() > 0.35 * 0.5 * diameter, "and not a toy"
+
+
+@pytest.mark.parametrize("name", ["tianwen1", "msl_landing", "mars2020", "schiaparelli", "phoenix"])
+def test_nozzles_beside_the_body_are_carried_by_struts_that_begin_inside_it(name):
+    own = vehicle(name)
+    shape = outline(own)
+    bare = own.model_copy(update={"rcs": RcsParams()})
+    carried = craft_shapes.struts(own, shape)
+    inside = Delaunay(craft_shapes.lander(bare.model_copy(update={"engines": own.engines}), shape).positions)
+    nozzles = craft_shapes.nozzles(own, shape).positions
+    assert len(carried) >= 8
+    for mount, throat in carried:
+        assert inside.find_simplex(mount) >= 0, "not in the air"
+        assert np.linalg.norm(nozzles - throat, axis=-1).min() < 0.2
+    held = np.array([throat for _, throat in carried])
+    for jet in own.rcs.thrusters:
+        near = np.linalg.norm(held - np.add(jet.position_m, 0.1 * np.array(jet.direction)), axis=-1).min()
+        assert near < 0.01 or inside.find_simplex(jet.position_m) >= 0, jet.name
+
+
+@pytest.mark.parametrize("name", ["msl_landing", "mars2020"])
+def test_a_sky_crane_carries_its_rover_on_bridles_below_it(name):
+    own = vehicle(name)
+    shape = outline(own)
+    assert shape.lander == "crane"
+    colours = {tuple(one) for one in craft_shapes.lander(own, shape).colours}
+    assert craft_shapes.WHITE in colours and craft_shapes.PANEL not in colours
+    x, *across = craft_shapes.lander(own.model_copy(update={"rcs": RcsParams()}), shape).positions.T
+    assert x.max() > min(engine.nozzle_m[0] for engine in own.engines), "the rover, below the nozzles"
+    assert np.all(np.hypot(*across) < shape.radius_at(x)), "all inside the aeroshell"
 
 
 def test_legs_are_drawn_where_there_are_footpads_and_a_platform_has_none():

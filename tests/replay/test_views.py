@@ -77,7 +77,16 @@ def test_an_arrow_is_its_force_over_what_a_metre_stands_for(flight, replay):
 @pytest.mark.parametrize(
     ("low", "high"),
     [
-        *((0.0, 8.2), (0.0, 91.7), (0.0, 4.8), (-4.4, 125.0), (-0.7, 0.6), (-21.0, -2.0), (955.0, 1010.0)),
+        *(
+            (0.0, 8.2),
+            (0.0, 91.7),
+            (0.0, 4.8),
+            (0.0, 5.4),
+            (-4.4, 125.0),
+            (-0.7, 0.6),
+            (-21.0, -2.0),
+            (955.0, 1010.0),
+        ),
         *((3.0, 3.0), (0.0, 0.0)),
     ],
 )
@@ -100,11 +109,13 @@ def test_a_command_that_no_law_gives_is_not_drawn():
     assert RANGE.shown({"guide.range_to_go_km": zero}) is None, "a plot has a curve"
 
 
-def test_a_name_that_has_no_room_is_left_out_of_its_lane():
+def test_a_name_that_has_no_room_is_shortened_or_left_out_of_its_lane():
     changes = [(0.0, "entry"), (280.0, "parachute"), (450.0, "brief_hover"), (452.0, "landed")]
     names = [name for _, name in changes]
     assert fitted(changes, names, (0.0, 540.0)) == ["entry", "parachute", " ", "landed"]
     assert fitted(changes, names, (445.0, 455.0)) == [" ", "parachute", "brief hover", "landed"]
+    assert fitted(changes, names, (440.0, 490.0)) == [" ", "parachute", "brief", "landed"]
+    assert fitted(changes, names, (430.0, 500.0)) == [" ", "parachute", "BH", "landed"]
 
 
 def lanes_by_view(path: Path) -> dict[str, list[str]]:
@@ -172,8 +183,9 @@ def test_legend_speaks_of_what_the_flight_has(tmp_path):
         return batch.column("TextDocument:text").to_pylist()[0][0]
 
     perfect, equipped = told(synthetic_flight()), told(flight_on_instruments())
-    assert "failed red" in perfect and "radar beams" not in perfect and "hazard map" not in perfect
-    assert "echo used green" in equipped
+    assert "failed red" in perfect and "radar beams" not in perfect
+    assert "| phase HA | hazard avoidance |" in perfect, "initials in short lanes"
+    assert "echo used blue" in equipped
 
 
 def test_times_of_a_recording_are_those_of_its_flight(replay):

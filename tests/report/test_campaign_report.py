@@ -87,8 +87,7 @@ def test_what_flies_until_its_time_is_up_has_no_target(goal, name):
     class Known(dict):
         scenario, summary, when = {"mission": {"goal": goal}}, {"figures": {}}, {}
 
-    figure = landing.ground_track(Known({landing.EAST: np.arange(3.0), landing.NORTH: np.zeros(3)}))
-    assert name in [trace.name for trace in figure.panels[0].traces]
+    assert landing.target(Known()).name == name
 
 
 @pytest.mark.parametrize("height", [14_000.0, 9_000.0])

@@ -123,6 +123,12 @@ def test_innovations_are_shown_while_there_are_echoes_with_the_gate_of_the_filte
     )
 
 
+def test_echoes_that_the_filter_never_used_make_no_figure(made_up):
+    for name in ("nav.range_innovation", "nav.speed_innovation"):
+        made_up[name] = np.zeros(len(made_up.t))
+    assert "nav_innovation" not in found(made_up) and "nav_landing" in found(made_up)
+
+
 def test_without_a_radar_nothing_is_said_of_one(made_up):
     for name in ("left", "right"):
         del made_up[f"range.{name}_m"]

@@ -38,6 +38,8 @@ EYES = {
 }  # fmt: skip
 #: Distances in CIELAB: 2.3 is just noticed; thin lines need several times as much.
 APART = 15.0
+#: Distance of the colours of a hazard map, which sun and slope make lighter and darker.
+APART_ON_A_MAP = 20.0
 CELL_CLASSES, FATES = (SAFE, UNSEEN, STEEP, ROUGH), (UNKNOWN, GREEN, SKY, ORANGE, PURPLE)
 
 
@@ -72,6 +74,12 @@ def nearest(colours, eye: str) -> float:
 def test_colours_stay_apart_for_the_colour_blind(colours, eye):
     assert nearest(colours, eye) > APART
     assert nearest([DARK[colour] for colour in colours], eye) > APART
+
+
+@pytest.mark.parametrize("eye", EYES)
+def test_classes_of_a_hazard_map_stay_apart_in_sun_and_shade(eye):
+    assert nearest(CELL_CLASSES, eye) > APART_ON_A_MAP
+    assert nearest([DARK[colour] for colour in CELL_CLASSES], eye) > APART_ON_A_MAP
 
 
 def test_red_beside_green_is_found_too_near():

@@ -130,15 +130,40 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
 
 
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
-    """Return body, deck and rover, as large as the aeroshell allows, and struts to the thrusters, if any."""
+    """Return body, deck and rover, as large as the aeroshell allows, and struts to nozzles and engines."""
     if shape.lander == "none":
         return None
-    base, scale = _base(vehicle, shape), shape.radius / _RADIUS
-    parts = [_platform if shape.lander == "platform" else _stage, *[_rover] * (shape.lander == "rover")]
+    parts, base, scale = _sized(vehicle, shape)
+    carried = [rod(*ends, 0.018, SILVER) for ends in struts(vehicle, shape)]
+    return merge([*(part(base, scale) for part in parts), *carried])
+
+
+def _sized(vehicle: VehicleParams, shape: Outline) -> tuple[Sequence[Builder], float, float]:
+    """The parts of a lander, the station of its underside (m), and its scale."""
+    parts, base, scale = _PARTS[shape.lander], _base(vehicle, shape), shape.radius / _RADIUS
     while scale > 0.02 and not _inside(parts, base, scale, shape):
         scale *= 0.95
-    struts = [_strut(jet, base, scale) for jet in vehicle.rcs.thrusters]
-    return merge([*(part(base, scale) for part in parts), *struts])
+    return parts, base, scale
+
+
+def struts(vehicle: VehicleParams, shape: Outline) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return the ends (m in B) of two struts from the body to each thruster and engine beside it."""
+    _, base, scale = _sized(vehicle, shape)
+    height, radius = _BODIES.get(shape.lander, _BODIES["legs"])
+    throats = [np.add(jet.position_m, 0.1 * np.array(jet.direction)) for jet in vehicle.rcs.thrusters]
+    bell_m = 0.28 * shape.radius / _RADIUS
+    throats += [np.add(one.nozzle_m, bell_m * np.array(one.direction)) for one in vehicle.own_engines]
+    found = []
+    for throat in throats:
+        out = np.array([0.0, *throat[1:]]) / max(np.hypot(*throat[1:]), 1e-6)
+        aside, reach = 0.12 * scale * np.cross([1.0, 0.0, 0.0], out), np.hypot(*throat[1:])
+        low = base - height * scale
+        if reach < radius * scale and low <= throat[0] <= base:
+            continue  # it is on the body
+        mount = np.array([np.clip(throat[0], low, base), 0.0, 0.0]) + min(0.8 * radius * scale, reach) * out
+        if np.linalg.norm(throat - mount) > 0.05 * scale:  # not the main engine, right below the body
+            found += [(mount + side * aside, throat) for side in (-1.0, 1.0)]
+    return found
 
 
 def _inside(parts: Sequence[Builder], base: float, scale: float, shape: Outline) -> bool:
@@ -169,7 +194,7 @@ def _platform(base: float, scale: float) -> Mesh:
     return _drum(sides, striped(SILVER, 6, 0.86), PANEL, 48, 1.0)
 
 
-def _drum(sides: list[Corner], paint: Paint, deck: RGB, segments: int, rim: float) -> Mesh:
+def _drum(sides: list[Corner], paint: RGB | Paint, deck: RGB, segments: int, rim: float) -> Mesh:
     """A closed drum: its sides from the underside up, the underside, and a deck that overhangs by ``rim``."""
     (base, low), (top, high) = sides[0], sides[-1]
     ends = (((base, low), (base, 1e-4)), DARK), (((top, high * rim), (top, 1e-4)), deck)
@@ -188,24 +213,50 @@ def _rover(base: float, scale: float) -> Mesh:
         return scale * np.array([x, y, z])
 
     parts = [
-        box(at(0.30, 0.0, 0.0), size(0.22, 0.85, 1.25), WHITE),
+        *_chassis(top, scale),
         box(at(0.44, 0.0, 0.0), size(0.04, 1.15, 1.45), PANEL),
         rod(at(0.44, 0.30, -0.45), at(0.85, 0.30, -0.45), 0.03 * scale, SILVER),
         box(at(0.88, 0.30, -0.45), size(0.08, 0.22, 0.10), WHITE),
     ]
-    for side in (-1.0, 1.0):
-        for z in (-0.5, 0.0, 0.5):
-            parts.append(rod(at(0.15, side * 0.42, z), at(0.15, side * 0.58, z), 0.15 * scale, DARK))
-        parts.append(box(at(0.02, side * 0.45, 0.0), size(0.03, 0.22, 1.6), SILVER))
+    parts += [box(at(0.02, side * 0.45, 0.0), size(0.03, 0.22, 1.6), SILVER) for side in (-1.0, 1.0)]
     return merge(parts)
 
 
-def _strut(jet: Any, base: float, scale: float) -> Mesh:
-    """A strut from the body to a thruster."""
-    place, back = np.array(jet.position_m), -np.array(jet.direction)
-    mount = np.array([np.clip(place[0], base - 0.9 * scale, base), 0.75 * place[1], 0.75 * place[2]])
-    mount[1:] *= min(1.0, 0.84 * scale / max(np.hypot(*mount[1:]), 1e-6))
-    return rod(mount, place - 0.1 * back, 0.018, SILVER)
+def _crane(base: float, scale: float) -> Mesh:
+    """Descent stage of a sky crane: a flat frame with three tanks."""
+    frame = _drum([(base, 0.8 * scale), (base - 0.30 * scale, 0.8 * scale)], SILVER, DARK, 6, 1.0)
+    turn = np.linspace(0.0, 2.0 * pi, 3, endpoint=False)
+    places = [(base - 0.30 * scale, 0.5 * scale * cos(a), 0.5 * scale * sin(a)) for a in turn]
+    arc = np.linspace(0.0, pi, 13)
+    ball = [(-0.26 * scale * cos(a), max(0.26 * scale * sin(a), 1e-4)) for a in arc]
+    ahead = np.array([1.0, 0.0, 0.0])
+    return merge([frame, *(revolve(ball, GOLD, 24, (np.array(place), ahead)) for place in places)])
+
+
+def _hung(base: float, scale: float) -> Mesh:
+    """Rover below the underside of a sky crane, on three bridles."""
+    deck = base + 0.35 * scale
+    turn = np.linspace(0.0, 2.0 * pi, 3, endpoint=False)
+    ends = [(0.35 * scale * cos(a), 0.35 * scale * sin(a)) for a in turn]
+    bridles = [rod((base, *end), (deck, *end), 0.015 * scale, WHITE) for end in ends]
+    return merge([*_chassis(deck + 0.41 * scale, scale), *bridles])
+
+
+def _chassis(top: float, scale: float) -> list[Mesh]:
+    """Body of a rover and its six wheels, on ground at the station ``top`` (m)."""
+    parts = [box((top - 0.30 * scale, 0.0, 0.0), scale * np.array([0.22, 0.85, 1.25]), WHITE)]
+    for side in (-1.0, 1.0):
+        for z in (-0.5, 0.0, 0.5):
+            inner, outer = (scale * np.array([-0.15, side * y, z]) + [top, 0.0, 0.0] for y in (0.42, 0.58))
+            parts.append(rod(inner, outer, 0.15 * scale, DARK))
+    return parts
+
+
+#: Parts of each kind of lander, and height and radius of its body at scale one, m.
+_PARTS: dict[str, tuple[Builder, ...]] = {
+    "legs": (_stage,), "platform": (_platform,), "rover": (_stage, _rover), "crane": (_crane, _hung),
+}  # fmt: skip
+_BODIES = {"legs": (0.65, 0.97), "platform": (0.45, 1.0), "crane": (0.30, 0.69)}
 
 
 def nozzles(vehicle: VehicleParams, shape: Outline) -> Mesh | None:

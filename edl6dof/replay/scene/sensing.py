@@ -22,9 +22,8 @@ NAVIGATED = ("nav.error_east_m", "nav.error_north_m")
 #: Colour of each class of cell, of the chosen spot, of spots passed over, and of a ray of the lidar.
 PAINT = {name: rgb(colour) for name, (_, colour) in CELLS.items()}
 CHOSEN: RGB = (245, 250, 255)
-PASSED_OVER: RGB = (255, 205, 60)
+PASSED_OVER: RGB = (230, 150, 225)
 RAY: RGB = (120, 235, 140)
-LEGEND = "green is safe, amber too steep, red too rough, grey not all seen; yellow dots were passed over"
 #: Colour of a ray of the radar by its state.
 RAYS = {state: rgb(STATES[state]) for state in (USED, NOT_USED, EXCLUDED)}
 #: Height (m) above the ground at which the map is drawn, and number of cells from one vertex to the next.
@@ -54,6 +53,7 @@ class Hazards(Recorder):
             passed = self.rr.Points3D(places, colors=PASSED_OVER, radii=-3.5)
             self.at(chosen, "site/hazards/passed_over", passed)
         self._chosen(found, off, chosen)
+        self._legend(found, off, chosen)
 
     def _chosen(self, found: LandingMap, off: np.ndarray, t: float) -> None:
         """Write the footprint around the chosen spot, as a ring."""
@@ -62,8 +62,21 @@ class Hazards(Recorder):
         ring = self.rr.LineStrips3D([self._on_ground(around, 0.15)], colors=CHOSEN, radii=-2.5)
         self.at(t, "site/hazards/chosen", ring)
         (middle,) = self._on_ground((found.spot_m - off)[None], 0.3)
-        words = f"{'chosen' if found.found else 'least bad'} spot; {LEGEND}"
+        words = f"{'chosen' if found.found else 'least bad'} spot"
         self.at(t, "site/hazards/spot", self.point(middle, words, CHOSEN, 3.0))
+
+    def _legend(self, found: LandingMap, off: np.ndarray, t: float) -> None:
+        """Write a mark and words for each colour, west of the map from north to south."""
+        entries = [(words, PAINT[name]) for name, (words, _) in CELLS.items()]
+        entries += [("passed over", PASSED_OVER)] * bool(len(found.rejected_m))
+        side = float(found.cell_m) * len(found.cell_class)
+        north = side * (0.9 - 0.15 * np.arange(len(entries)))
+        places = found.corner_m - off + np.column_stack([np.full(len(entries), -0.22 * side), north])
+        words, colours = zip(*entries, strict=True)
+        marks, points = self._on_ground(places, 1.0), self.rr.Points3D
+        self.at(t, "site/hazards/legend", points(marks, colors=colours, radii=-8.0))
+        names = points(marks, labels=words, colors=CHOSEN, radii=-0.01, show_labels=True)
+        self.at(t, "site/hazards/legend/words", names)
 
     def _painted(self, found: LandingMap, off: np.ndarray) -> Mesh:
         """The ground in the colours of the classes, without cells that were not seen."""

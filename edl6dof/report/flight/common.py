@@ -58,6 +58,7 @@ def figure_of(
 ) -> Figure:
     """Draw a stack at some rows; ``words`` go into the caption."""
     panels: list[Panel] = []
+    colours: dict[str, str] = {}  # a name has one colour in all panels, and no other name has it
     same = (
         len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1
     )  # the figure's title names the quantity
@@ -67,15 +68,23 @@ def figure_of(
         if stack.around is not None:
             first, last = (run.when.get(stack.since, inf) + seconds for seconds in stack.around)
             own = run.between("", stack.until or plot.until) & (run.t > first) & (run.t < last)
-        if stack.above is not None and stack.above[0] in run:
-            own &= run[stack.above[0]] > stack.above[1]
+        if stack.within is not None and stack.within[0] in run:
+            channel, low, high = stack.within
+            own &= (run[channel] > low) & (run[channel] < high)
         shown = np.zeros(len(run.t), bool)
         shown[rows] = own[rows]
         panel = over_time(run, plot, shown)
-        if panel is not None and len(panel.traces) == 1:  # the axis title names the curve
-            colour = SERIES[len(panels) % len(SERIES)]
-            panel = replace(panel, traces=[replace(panel.traces[0], colour=colour, name="")])
-        panels += [] if panel is None else [panel]
+        if panel is None:
+            continue
+        for trace in panel.traces:
+            if trace.colour in SERIES:
+                name = trace.name if len(panel.traces) > 1 else plot.key
+                colours.setdefault(name, SERIES[len(colours) % len(SERIES)])
+        if len(panel.traces) == 1:  # the axis title names the curve
+            traces = [replace(panel.traces[0], colour=colours[plot.key], name="")]
+        else:
+            traces = [replace(one, colour=colours.get(one.name, one.colour)) for one in panel.traces]
+        panels.append(replace(panel, traces=traces))
     caption = stack.caption
     if "{" in caption:
         given = {name: value or 0.0 for name, value in run.figures.items()}

@@ -27,23 +27,24 @@ from edl6dof.report.document import (
 )
 from edl6dof.report.flight import landing, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
+from edl6dof.report.flight.first_screen import first_screen
 from edl6dof.report.flight.vehicle import vehicle_section
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
 from edl6dof.runs.run import Run
 
 #: Figures of merit at the head of the report, and their formats.
 _FACTS = (
-    ("touchdown_s", ".1f"),
     ("landing_distance_m", ",.0f"),
     ("touchdown_vertical_m_s", ".2f"),
-    ("touchdown_tilt_deg", ".2f"),
     ("peak_load_g0", ".2f"),
-    ("max_load_parachute_g0", ".2f"),
-    ("peak_dynamic_pressure_pa", ",.0f"),
     ("peak_heat_flux_w_cm2", ".1f"),
-    ("parachute_mach", ".2f"),
     ("propellant_used_kg", ".1f"),
+    ("parachute_mach", ".2f"),
+    ("peak_dynamic_pressure_pa", ",.0f"),
+    ("max_load_parachute_g0", ".2f"),
 )
+#: Number of these figures that are shown, the first ones that the flight has.
+_MOST_FACTS = 5
 #: State of the vehicle at an event, and its formats.
 _STATE = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
 #: Mood of a requirement that is met or missed; other differences (``None``) are neither good nor bad.
@@ -68,7 +69,7 @@ def flight_report(run: Run) -> Report:
         ("chute", "Parachute", over_flight(run, STACKS["chute"])),
         ("landing", "Powered descent", landing.powered_descent(run)),
         ("hazards", "Hazards and the chosen spot", landing.hazard_maps(run)),
-        ("site", "Ground track and landing site", landing.site_figures(run)),
+        ("site", "Landing site", landing.site_figures(run)),
         ("configuration", "Configuration", configuration(run)),
         ("software", "Software and data", [software(run)]),
     )
@@ -79,6 +80,7 @@ def flight_report(run: Run) -> Report:
         headline=headline(run),
         mood=mood(run.summary),
         facts=facts(run),
+        picture=first_screen(run),
         sections=[Section(*section) for section in filled if section[2]],
         footer=f"edl6dof {run.summary['edl6dof_version']}; scenario SHA-256 {run.summary['scenario_sha256']}",
     )
@@ -97,7 +99,7 @@ def headline(run: Run) -> str:
 
 
 def facts(run: Run) -> list[Fact]:
-    """Return the key figures; those beyond a limit are marked bad."""
+    """Return the first key figures that the flight has; those beyond a limit are marked bad."""
     figures = run.summary["figures"]
     missed = {limit["name"] for limit in run.summary["limits"] if not limit["ok"]}
     found = []
@@ -107,7 +109,7 @@ def facts(run: Run) -> list[Fact]:
             figure = figure_of_merit(name)
             words = f"{value:{form}} {printed(figure.unit.label)}".strip()
             found.append(Fact(figure.meaning, words, "bad" if figure.meaning in missed else "plain"))
-    return found
+    return found[:_MOST_FACTS]
 
 
 def limits_and_published(run: Run) -> Iterator[Block]:

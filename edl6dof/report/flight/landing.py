@@ -1,4 +1,4 @@
-"""The landing: powered descent, ground track and landing site; and the map of hazards from hover with the
+"""The landing: powered descent and landing site; and the map of hazards from hover with the
 chosen and the rejected spots, after the choice on the landing image.
 """
 
@@ -13,7 +13,7 @@ from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.catalogue import CELLS, STACKS
 from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
 from edl6dof.report.flight.common import circle, flown, over_flight, placed, site_panel
-from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SEQUENTIAL, VERMILION
+from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SEQUENTIAL, SKY, VERMILION
 from edl6dof.runs.run import Run
 from edl6dof.scenario.terrain_preview import planned_ellipse
 from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
@@ -21,7 +21,7 @@ from edl6dof.telemetry.landing_map import CELL_CLASSES, LandingMap
 #: Most cells along a side of a map on a page: more make the page larger and cannot be seen.
 MOST_CELLS = 128
 #: Parts that are discarded, and their colours.
-_PARTS = {"canopy": GREY, "heat_shield": ORANGE, "backshell": PURPLE}
+_PARTS = {"canopy": SKY, "heat_shield": ORANGE, "backshell": PURPLE}
 EAST, NORTH = "truth.site_east_m", "truth.site_north_m"
 _WAYS = ("east", "north")
 
@@ -39,41 +39,35 @@ def powered_descent(run: Run) -> Iterator[Figure]:
 
 
 def site_figures(run: Run) -> Iterator[Figure]:
-    """Draw ground track and landing site."""
-    yield ground_track(run)
+    """Draw the landing site of a flight that came down on a parachute and left it."""
     if "mortar" in run.when and "backshell" in run.when:
         yield landing_site(run)
-
-
-def ground_track(run: Run) -> Figure:
-    """Draw the whole path east and north of the landing site; the axes have different scales."""
-    traces = [_track(run, slice(None), 1e3), _target(run), _events(run, {"mortar": "parachute"}, 1e3)]
-    caption = "Axes have different scales."
-    if run.summary["figures"].get("bank_reversals"):
-        caption += " Bank reversals keep the track inside the corridor of crossrange."
-    panel = site_panel(traces, unit="km", equal=False)
-    return Figure("ground_track", "Ground track", [panel], caption, height=420)
 
 
 def landing_site(run: Run) -> Figure:
     """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
     last = run.between("backshell")
-    target, planned, below = [_target(run)], _planned(run), _track(run, run.between("mortar"), 1e3)
+    aim, planned, below = [target(run)], _planned(run), track(run, run.between("mortar"), 1e3)
     limit, allowed = run.scenario["limits"]["landing_distance_m"], []
     if limit is not None:
         x, y = circle((0.0, 0.0), float(limit) / 1e3, 181)
         allowed = [Trace(x, y, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
     panels = []
     if planned:
-        panels.append(site_panel([*planned, *allowed, below, *target], unit="km", title="planned ellipse"))
+        panels.append(site_panel([*planned, *allowed, below, *aim], unit="km", title="planned ellipse"))
     parts = [_part(run, name, 1e3) for name in _PARTS]
-    mortar = _events(run, {"mortar": "parachute"}, 1e3)
-    traces = [*([] if planned else allowed), *parts, below, *target, mortar]
+    mortar = events_on_map(run, {"mortar": "parachute"})
+    traces = [*([] if planned else allowed), *parts, below, *aim, mortar]
     panels.append(site_panel(traces, unit="km", title="from the parachute on"))
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
-    near = target if away < 2.0 * reach else []  # a farther target would shrink everything else
-    traces = [_part(run, "backshell"), _track(run, last), *near, _events(run, {"touchdown": "touchdown"})]
+    near = aim if away < 2.0 * reach else []  # a farther target would shrink everything else
+    traces = [
+        _part(run, "backshell"),
+        track(run, last),
+        *near,
+        events_on_map(run, {"touchdown": "touchdown"}, 1.0),
+    ]
     panels.append(site_panel(traces, title="powered descent"))
     landed, caption = run.summary["figures"], ""
     if landed.get("landing_distance_m") is not None:
@@ -82,12 +76,13 @@ def landing_site(run: Run) -> Figure:
     return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
 
 
-def _track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
+def track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
+    """Return the path from above, in units of ``scale`` (m)."""
     return flown(run[EAST][rows] / scale, run[NORTH][rows] / scale, "vehicle")
 
 
-def _target(run: Run) -> Trace:
-    """The landing site as a cross, called target unless the goal of the mission is a time of flight."""
+def target(run: Run) -> Trace:
+    """Return the landing site as a cross, called target unless the goal is a time of flight."""
     name = "landing site" if run.scenario["mission"]["goal"] == "time" else "target"
     return Trace(np.zeros(1), np.zeros(1), name, "points", VERMILION, symbol="cross", width=3.0, border=True)
 
@@ -110,7 +105,8 @@ def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
     return Trace(east[there], north[there], name.replace("_", " "), colour=_PARTS[name], dash="dash")
 
 
-def _events(run: Run, names: dict[str, str], scale: float = 1.0) -> Trace:
+def events_on_map(run: Run, names: dict[str, str], scale: float = 1e3) -> Trace:
+    """Return events as labelled points of the map, whose unit is ``scale`` (m)."""
     return placed(run, EAST, NORTH, names, (1.0 / scale, 1.0 / scale))
 
 

@@ -40,7 +40,8 @@ def figures(run: Run) -> Iterator[Figure | Table]:
     yield figure_of(run, plots.NAV_ATTITUDE)
     if np.any(run.between(until="touchdown") & seen):
         yield figure_of(run, plots.NAV_LANDING)
-        yield innovations(run, seen)
+        if (shown := innovations(run, seen)).panels:  # the filter used an echo
+            yield shown
     yield from over_flight(run, [plots.NAV_TOUCHDOWN])
     yield from instrument_lanes(run)
 

@@ -17,9 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.report.catalogue import OVERVIEW
+from edl6dof.report.catalogue import NEAR_GROUND, OVERVIEW
 from edl6dof.report.figure import Axis, Band, Dash, Figure, Panel, Trace, legend_entry
-from edl6dof.report.flight.common import EVENTS, figure_of, flown, has_signal, placed
+from edl6dof.report.flight.common import EVENTS, figure_of, flown, has_signal, over_flight, placed
 from edl6dof.report.palette import GREEN, GREY, ORANGE, PHASES, PURPLE, VERMILION
 from edl6dof.runs.run import Run
 
@@ -34,6 +34,7 @@ LEAST_LIFT = 0.08
 def figures(run: Run) -> Iterator[Figure]:
     """Draw the whole flight and the entry."""
     yield overview(run)
+    yield from over_flight(run, [NEAR_GROUND])
     entry = entry_state(run)
     if entry is not None:
         yield altitude_velocity(run, entry)
