@@ -195,7 +195,8 @@ def _summary(report: Report) -> Iterator[Line]:
     yield [Words(0.0, report.title, 17.0, bold=True)]
     yield []
     yield [Words(0.0, report.subtitle, 8.0, GREY)]
-    yield [Words(0.0, report.headline, 10.0, _MOODS[report.mood], bold=True)]
+    for line in textwrap.wrap(report.headline, 80):
+        yield [Words(0.0, line, 10.0, _MOODS[report.mood], bold=True)]
     yield []
     for first in range(0, len(report.facts), 4):
         facts = list(enumerate(report.facts[first : first + 4]))

@@ -44,6 +44,11 @@ def test_paragraphs_and_long_cells_are_wrapped():
     assert " ".join(line[0] for line in found[begun : begun + 3]).split() == ["long"] * 30
 
 
+def test_a_long_headline_is_broken_into_lines():
+    lines = words(next(iter(_pages(Report("title", "crashed at a speed " * 9, "bad")))))
+    assert max(map(len, lines)) <= 80 and sum(line.count("crashed") for line in lines) == 9
+
+
 def test_figures_fill_two_columns_and_those_side_by_side_both():
     line = Trace(np.arange(3.0), np.arange(3.0))
     panel = Panel(Axis("x (m)"), Axis("y (m)"), [line])
