@@ -21,7 +21,10 @@ OTHER_MEANINGS = {
     "edl6dof.fsw.guidance.entry.air_data": {"lift"},
     "edl6dof.fsw.guidance.entry.airframe": {"lift"},
     "edl6dof.fsw.guidance.entry.laws.etpc": {"lift"},
+    "edl6dof.fsw.guidance.entry.drag_velocity": {"coast"},  # field: a range, as in the next one
+    "edl6dof.fsw.guidance.entry.reference": {"coast"},
     "edl6dof.fsw.navigation.derived": {"lift"},
+    "edl6dof.scenario.planned_entry": {"lift"},
     "edl6dof.scenario.onboard_vehicle": {"lift"},
     "edl6dof.gym.tasks": {"slow_descent", "landed"},  # of the flight that its task is made of
     "edl6dof.sim.commands": {"lift"},  # what is measured
