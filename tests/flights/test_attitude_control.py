@@ -228,7 +228,11 @@ def test_the_guard_leaves_sound_flights_alone_in_a_wind_that_is_not_expected(nor
 
 
 @pytest.mark.parametrize(
-    ("thruster", "time_s"), [("A1", 270), pytest.param("D1", 270, marks=pytest.mark.long), ("P1", 277)]
+    ("thruster", "time_s"),
+    [
+        *(("A1", 270), ("P1", 277), ("P2", 272)),
+        *(pytest.param(name, 270, marks=pytest.mark.long) for name in ("D1", "D5", "P3", "P4")),
+    ],
 )
 def test_a_leak_that_diagnosis_stops_does_not_call_the_guard(thruster, time_s):
     """Its branch is shut before the smoothed direction of the force shows it; the wind is unexpected."""

@@ -67,7 +67,7 @@ def start_leak_isolation(signals, b, metered, doubt, memory):
     vehicle, healthy = signals.vehicle, signals.healthy
     memory.metered, memory.doubt = 1 if metered else 0, doubt
     memory.branch, memory.looks, memory.flow = b, 0, 0.0
-    memory.open, memory.cycles = 0 if metered else 1, MIXED + LOOK
+    memory.open, memory.cycles = 0 if metered else 1, 0 if metered else MIXED + LOOK
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         on_branch = vehicle.branches.of[i] == b
@@ -134,9 +134,13 @@ def step_leak_isolation(params, signals, flow, residual, memory):
     The time between movements varies, as a canopy that breathes at their frequency would resemble a thruster.
     """
     b, count = memory.branch, signals.vehicle.n_thrusters
-    if memory.looks == 0 and is_commanded(count, residual, memory):
-        return UNDER_WAY, 0.0
     memory.cycles += 1
+    unmoved = memory.looks == 0 and memory.open != memory.metered
+    # cycles in which the innovations still depend on the leak before the branch was closed: when it began is
+    # not known, and its signature would have the wrong sign
+    past = TAPS + signals.lag / signals.dt if memory.metered != 0 else 0.0
+    if unmoved and (memory.cycles < past or is_commanded(count, residual, memory)):
+        return UNDER_WAY, 0.0
     add_cycle(signals, residual, memory)
     if MIXED < memory.cycles <= MIXED + LOOK:
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
