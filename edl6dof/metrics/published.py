@@ -84,11 +84,6 @@ class PublishedFigure(Params):
         return self.evidence == "planned"
 
     @property
-    def counted(self) -> bool:
-        """True if it is a flown value that a flight can predict."""
-        return not self.required and self.evidence == "flown"
-
-    @property
     def explainable(self) -> bool:
         """True if a calibration may explain it: a flown value with a standard deviation."""
         return self.sigma is not None and not self.planned
