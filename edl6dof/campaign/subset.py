@@ -222,7 +222,8 @@ def threshold(margins: np.ndarray) -> float | None:
     inside = shares > 0.0
     if not inside.any() or np.mean(margins < 0.0) >= SHARE:
         return None
-    below = float(values[inside][np.argmin(np.abs(np.log(shares[inside] / SHARE)))])
+    ratio = shares[inside] / SHARE
+    below = float(values[inside][np.argmin(np.maximum(ratio, 1.0 / ratio))])
     return below if below > 0.0 else None
 
 
