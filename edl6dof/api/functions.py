@@ -225,13 +225,14 @@ def rare(
     name, sets = named(scenario, overrides)
     activate(name)
     from edl6dof.campaign import rare
-    from edl6dof.campaign.assurance import load_requirements
+    from edl6dof.campaign.assurance import limits_as_requirements, load_requirements
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.metrics.figures import DECLARED
 
     plan = load_plan(name, sets, seed=seed)
-    known = rare.limits_as_requirements(plan)
-    if requirements is not None:
+    if requirements is None:
+        known = limits_as_requirements(plan.loaded.scenario.limits.model_dump())
+    else:
         known = load_requirements(Path(requirements), DECLARED)
     request = rare.Request(plan, rare.chosen(known, requirement), size, populations)
     store = rare.RareStore(Path(out))

@@ -15,7 +15,7 @@ Source: Hanson and Beard, NASA/TP-2010-216447; bounds of the share: Clopper and 
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -30,6 +30,7 @@ from edl6dof.config.document.source import read_document
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import judged
 from edl6dof.config.wording import unknown
+from edl6dof.metrics.figures import LIMITS
 
 #: Share and confidence of a limit of the scenario that is judged as a requirement.
 SHARE, CONFIDENCE = 0.99, 0.9
@@ -68,6 +69,16 @@ class RequirementsFile(Params):
     """A file of requirements."""
 
     requirements: list[Requirement] = param(REQUIRED, "the requirements", min_length=1)
+
+
+def limits_as_requirements(limits: Mapping[str, Any]) -> list[Requirement]:
+    """Return each of the ``limits`` of a scenario, by key, as a requirement named by its figure."""
+    given = [(figure, limits.get(str(figure.limit))) for figure in LIMITS]
+    return [
+        Requirement(id=one.name, text=one.meaning, figure=one.name, at_most=float(limit), share=SHARE)
+        for one, limit in given
+        if limit is not None
+    ]
 
 
 def load_requirements(path: Path, figures: Collection[str]) -> list[Requirement]:

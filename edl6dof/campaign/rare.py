@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.campaign.assurance import SHARE, Requirement
+from edl6dof.campaign.assurance import Requirement
 from edl6dof.campaign.design.case import scenario_of
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import CaseRunner, Row, table_of
@@ -43,7 +43,6 @@ from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.wording import unknown
 from edl6dof.durable import write_atomic
 from edl6dof.manifest import sha256
-from edl6dof.metrics.figures import LIMITS
 from edl6dof.sim.flight import resolved_text
 from edl6dof.spatial.arrays import normal_share
 
@@ -188,17 +187,6 @@ class RareFailure:
 def case_file(number: int) -> str:
     """Name of the scenario file of a case."""
     return f"case{number}.yaml"
-
-
-def limits_as_requirements(plan: Plan) -> list[Requirement]:
-    """Return the limits of a scenario as requirements."""
-    limits = plan.loaded.scenario.limits
-    given = [(figure, getattr(limits, str(figure.limit), None)) for figure in LIMITS]
-    return [
-        Requirement(id=one.name, text=one.meaning, figure=one.name, at_most=float(limit), share=SHARE)
-        for one, limit in given
-        if limit is not None
-    ]
 
 
 def chosen(requirements: list[Requirement], name: str) -> Requirement:

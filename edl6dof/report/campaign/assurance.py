@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign import assurance as judging
-from edl6dof.campaign.assurance import CONFIDENCE, SHARE, Requirement, Verdict, judge
+from edl6dof.campaign.assurance import CONFIDENCE, SHARE, Verdict, judge
 from edl6dof.campaign.row_columns import BELIEF, TRUTH
 from edl6dof.campaign.statistics import percent
 from edl6dof.campaign.store import Store
@@ -144,10 +144,8 @@ def assess(folder: Path, requirements: Path | None = None) -> Assurance:
         raise refusal(folder, f"its flights are the {kind}, no random sample: they demonstrate no share")
     if requirements is None:
         source = f"limits of the scenario, share {percent(SHARE)}, confidence {percent(CONFIDENCE)}"
-        wanted = [
-            Requirement(id=meaning, text=meaning, figure=figure, at_most=limit, share=SHARE)
-            for figure, meaning, limit, _ in results.limits
-        ]
+        limits = judging.limits_as_requirements(results.document["limits"])
+        wanted = [one for one in limits if results.has(one.figure)]
     else:
         columns = {name for name in results.table.column_names if results.has(name)} - _NO_FIGURES
         known = DECLARED | {name for name in columns if not name.startswith((TRUTH, BELIEF))}
