@@ -197,12 +197,12 @@ def onset_evidence(i, effectiveness, residual):
     """Return the evidence that the valve of thruster ``i`` has opened within the oldest stored cycle and
     stays open.
 
-    The share of that cycle for which it was open is the one in 0 to 1 that fits best.
+    The share of that cycle for which it was open is the one in 0 to 1 that fits best.  Sums of weighted
+    products of p, the signature of the open valve in that cycle, s, that in the following cycles, and e, the
+    innovation.
     """
     first = residual.taken - WINDOW
-    pp = ps = ss = ep = es = every = (
-        0.0  # p: signature of that cycle, s: of the following cycles, e: innovation
-    )
+    pp = ps = ss = ep = es = every = 0.0
     for j in range(WINDOW):
         row = (first + j) % WINDOW
         every += residual.square[row]
