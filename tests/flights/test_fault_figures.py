@@ -102,6 +102,16 @@ def test_force_and_torque_feign_no_fault_where_there_are_no_meters(tool, without
     assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
 
 
+def test_a_tone_of_any_strength_hides_no_fault_from_force_and_torque(tool):
+    """It is predicted, and so removed from the residual."""
+    unit = "sensors.inertial_unit.vibration"
+    tone = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
+    plan = load_plan("tianwen1_mc", tone, cases=FLIGHTS)
+    dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
+    assert often(dead, lambda row: row["name_right"])
+    assert often(dead, lambda row: not row["sound_named"])
+
+
 def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_none(tool):
     """Where diagnosis without meters breaks it falls silent: tools/diagnosis_limits.py. A tone can be
     predicted; a random vibration cannot.
