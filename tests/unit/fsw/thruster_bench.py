@@ -30,8 +30,9 @@ opposite = as_flown(exercise.opposite, "count, i, fsw", f"{MATRIX}, count, i")
 
 
 @kernel
-def _signals(vehicle, sideways, axial, start, t, dt, fsw):
-    return ExerciseSignals(
+def pair_to_test(params, vehicle, sideways, axial, start, t, dt, fsw):
+    """The pair that the exercise fires next."""
+    signals = ExerciseSignals(
         vehicle=vehicle,
         effectiveness=fsw[0].effectiveness.matrix,
         healthy=fsw[0].health.thruster,
@@ -43,16 +44,22 @@ def _signals(vehicle, sideways, axial, start, t, dt, fsw):
         t=t,
         dt=dt,
     )
-
-
-@kernel
-def pair_to_test(params, vehicle, sideways, axial, start, t, dt, fsw):
-    """The pair that the exercise fires next."""
-    signals = _signals(vehicle, sideways, axial, start, t, dt, fsw)
     return exercise.pair_to_test(params[0], signals, fsw[0].diagnosis.exercise)
 
 
 @kernel
 def thruster_to_close(params, vehicle, t, dt, fsw):
     """The thruster that the exercise closes next."""
-    return exercise.thruster_to_close(params[0], _signals(vehicle, False, 0.0, 0.0, t, dt, fsw))
+    signals = ExerciseSignals(
+        vehicle=vehicle,
+        effectiveness=fsw[0].effectiveness.matrix,
+        healthy=fsw[0].health.thruster,
+        diagnosis=fsw[0].diagnosis,
+        valves=fsw[0].modulation,
+        sideways=False,
+        axial=0.0,
+        start=0.0,
+        t=t,
+        dt=dt,
+    )
+    return exercise.thruster_to_close(params[0], signals)
