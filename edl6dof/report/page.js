@@ -10,7 +10,7 @@
   const narrow = matchMedia("(max-width: 640px)");
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const PAPER_WIDTH = 328, PAPER_WIDE = 686; // px, a column and the whole text of an A4 page
-  const SHRINK = 0.6;
+  const SHRINK = 0.6, PAPER_HEIGHT = 0.95;
   const SIZES = new Set(["size", "height", "l", "r", "t", "b", "standoff", "thickness"]);
   const config = (key) => ({
     responsive: true,
@@ -45,6 +45,7 @@
   const forPaper = (place) => {
     const { data, layout } = shrunk(figures[place.dataset.figure]);
     layout.width = place.closest("figure").classList.contains("wide") ? PAPER_WIDE : PAPER_WIDTH;
+    layout.height *= PAPER_HEIGHT;
     place.style.minHeight = 0;
     Plotly.react(place, data, layout, { staticPlot: true });
   };

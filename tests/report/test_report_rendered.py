@@ -221,7 +221,7 @@ def printed(wide, tmp_path_factory):
 
 def test_print_of_the_nominal_flight_is_short(printed):
     pages = re.findall(rb"/Type /Page\b", printed.read_bytes())
-    assert 4 < len(pages) <= 13
+    assert 4 < len(pages) <= 12
 
 
 def test_prints_on_a4_with_every_figure(printed, run):
