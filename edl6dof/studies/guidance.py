@@ -22,6 +22,7 @@ from edl6dof import Case, LoadedScenario, fly_rows
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.campaign.executor import Row
 from edl6dof.campaign.statistics import percent, quantile
+from edl6dof.config.base import stated
 from edl6dof.config.model_paths import value_at
 from edl6dof.config.units import G0
 from edl6dof.config.wording import counted
@@ -50,6 +51,7 @@ from edl6dof.studies.samples import (
     quickest_us,
     with_quantile,
 )
+from edl6dof.vehicle.propulsion.rcs import Thruster
 
 ENTRY = "flight_software.guidance.entry"
 #: All laws but constant bank, which is no guidance.
@@ -207,7 +209,8 @@ def less_lift(scenario: Scenario, truth: Values) -> Values:
     if not _is_rigid(scenario):
         return _scaled("vehicle.aero.lift_drag.lift_to_drag", 0.9)(scenario, truth)
     path = "vehicle.mass.entry_centre_m.2"
-    return {path: truth.get(path, 0.0) - value_at(scenario, path) / 6.0}
+    nominal = value_at(scenario, path)
+    return {path: truth.get(path, nominal) - nominal / 6.0}
 
 
 def wind(turn_deg: float) -> Change:
@@ -338,15 +341,17 @@ def bank_travel(bank: np.ndarray) -> tuple[float, float]:
 
 def reversal_kg(scenario: Scenario) -> float:
     """Propellant (kg) that starts and stops the roll of a reversal: 2 I w / (r Isp g0), with the roll inertia
-    I, the bank rate w and the longest roll arm r of the thrusters.
+    I, the bank rate w, and the roll arm r of the thrusters with the largest roll torque.
     """
     vehicle, rate = scenario.vehicle, radians(scenario.flight_software.control.bank_to_steer.bank.rate_deg_s)
-    arms = [
-        (abs(float(np.cross(jet.position_m, jet.direction)[0])), jet.specific_impulse_s)
-        for jet in vehicle.rcs.thrusters
-    ]
-    arm, impulse = max(arms)
-    return 2.0 * vehicle.mass.entry_inertia_kg_m2[0] * rate / (arm * impulse * G0)
+    jet = max(vehicle.rcs.thrusters, key=lambda jet: jet.thrust_n * _roll_arm(jet))
+    impulse = 2.0 * stated(vehicle.mass.entry_inertia_kg_m2)[0] * rate / _roll_arm(jet)
+    return impulse / (jet.specific_impulse_s * G0)
+
+
+def _roll_arm(jet: Thruster) -> float:
+    (_, y, z), (_, along_y, along_z) = jet.position_m, jet.direction
+    return abs(y * along_z - z * along_y)
 
 
 #: Flight times (s) at which calls are timed, how often each, and blocks of which the quickest counts.
