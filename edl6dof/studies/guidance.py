@@ -57,7 +57,7 @@ ENTRY = "flight_software.guidance.entry"
 #: All laws but constant bank, which is no guidance.
 LAWS = tuple(name for name in ENTRY_LAWS.names if name != "constant_bank")
 #: Dispersed entries for each entry that is flown again under every condition.
-_PER_CONDITION = 10
+_PER_CONDITION = 5
 #: Targets of this study: share of the best law's misses that must be within a distance (km), time of a call
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
@@ -512,4 +512,4 @@ TITLE = (
     "Entry laws on the same dispersed entries: as they come, in other air, wind and lift, at half bank rate"
 )
 SOURCE = "this simulator, 2026"
-STUDY = Study("guidance", TITLE, SOURCE, run, runs=370, quick_runs=20, parts=LAWS, seed=20210514)
+STUDY = Study("guidance", TITLE, SOURCE, run, runs=100, quick_runs=20, parts=LAWS, seed=20210514)
