@@ -152,8 +152,8 @@ def live(simulation: Simulation) -> Iterator[Callable[[], None]]:
 
 
 def fly_live(loaded: LoadedScenario, pace: float) -> FlownFlight:
-    """Fly a scenario in the viewer, ``pace`` seconds of flight in a second, and return the flight.  It goes on
-    without pauses if the window is closed.
+    """Fly a scenario in the viewer, ``pace`` seconds of flight in a second, and return the flight.  If the
+    window is closed, it goes on without pauses.
 
     Raises:
         ViewerFailed: the viewer has not shown the flight at all.
