@@ -15,23 +15,43 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from edl6dof.campaign.executor import Row
-from edl6dof.campaign.statistics import quantile
+from edl6dof.campaign.statistics import flights_needed, quantile
 from edl6dof.studies.guidance import CONDITIONS, DISPERSED, best_first, bias, misses, not_exceeded
 from edl6dof.studies.samples import column, kinds, mean, percentage, pick
 
 #: Column of a table: its heading, and its cell of the flights of one law.
 Columns = dict[str, Callable[[list[Row]], str]]
-#: Figures of the entries as dispersed; bounds at 95 % confidence in brackets.
-FIGURES: Columns = {
-    "bias": lambda rows: f"{bias(rows):.2f}",
-    "50 %": lambda rows: bounded(misses(rows), 0.5),
-    "95 %": lambda rows: bounded(misses(rows), 0.95),
-    "99 %": lambda rows: bounded(misses(rows), 0.99),
-    "altitude, 1 %": lambda rows: bounded(-column(rows, "parachute_altitude_m") / 1e3, 0.99, -1.0),
-    "in the box, %": lambda rows: f"{percentage(row['success'] for row in rows):.1f}",
-    "travel, deg": lambda rows: f"{mean(rows, 'extra_travel_deg'):.0f}",
-    "propellant, kg": lambda rows: number(mean(rows, "extra_propellant_kg"), 1),
-}
+
+
+def figures(entries: int) -> Columns:
+    """Figures of the entries as dispersed, with bounds at 95 % confidence in brackets; the largest miss and
+    the lowest altitude where the entries are too few to bound 99 %.
+    """
+    miss: Columns = {"99 %": lambda rows: bounded(misses(rows), 0.99), "altitude, 1 %, km": lowest}
+    if entries < flights_needed(0.99):
+        miss = {
+            "largest": lambda rows: number(float(misses(rows).max()), 2),
+            "lowest altitude, km": lambda rows: number(float(altitude(rows).min()), 1),
+        }
+    return {
+        "bias, km": lambda rows: f"{bias(rows):+.2f}",
+        "50 %, km": lambda rows: bounded(misses(rows), 0.5),
+        "95 %, km": lambda rows: bounded(misses(rows), 0.95),
+        **miss,
+        "in the box, %": lambda rows: f"{percentage(row['success'] for row in rows):.0f}",
+        "travel, deg": lambda rows: f"{mean(rows, 'extra_travel_deg'):.0f}",
+        "propellant, kg": lambda rows: number(mean(rows, "extra_propellant_kg"), 1),
+    }
+
+
+def altitude(rows: Sequence[Row]) -> np.ndarray:
+    """Altitude at mortar fire, km."""
+    return column(rows, "parachute_altitude_m") / 1e3
+
+
+def lowest(rows: Sequence[Row]) -> str:
+    """Altitude that 99 % of the entries exceed, with bounds."""
+    return bounded(-altitude(rows), 0.99, -1.0)
 
 
 def main(folder: Path) -> None:
@@ -51,11 +71,14 @@ def main(folder: Path) -> None:
         print(f"\n## {vehicle}\n\nAs dispersed, {flights(own, DISPERSED)} entries of each law:\n")
         dispersed = pick(own, condition=DISPERSED)
         laws = best_first(dispersed)
-        columns = {**FIGURES, "call, us": lambda rows, calls=calls: calls[rows[0]["law"]]}
+        columns = {
+            **figures(flights(own, DISPERSED)),
+            "call, us": lambda rows, calls=calls: calls[rows[0]["law"]],
+        }
         table({law: pick(dispersed, law=law) for law in laws}, columns)
         others = [name for name in CONDITIONS if name != DISPERSED]
         print(
-            f"\nMiss of 95 % and bias under each condition, {flights(own, others[0])} entries of each law:\n"
+            f"\nMiss of 95 % and bias (km) under each condition, {flights(own, others[0])} entries of each law:\n"
         )
         table({law: pick(own, law=law) for law in laws}, {name: under(name) for name in others})
 
