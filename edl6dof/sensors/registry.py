@@ -161,6 +161,7 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["inertial_unit"] = ["inertial_unit"]
     if "radar" in params.flown:
         names["beam"] = [one.name for one in params.radar.beams]
+        names["radar"] = list(params.radar.radars)
     if "star_tracker" in params.flown:
         names["star_tracker"] = ["star_tracker"]
     if "flow_meters" in params.flown:

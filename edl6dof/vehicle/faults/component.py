@@ -23,6 +23,7 @@ Component = Literal[
     "accelerometer",
     "inertial_unit",
     "beam",
+    "radar",
     "star_tracker",
     "flow_meter",
     "landing_camera",
@@ -32,7 +33,7 @@ Component = Literal[
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Kinds of component that measure.
 INSTRUMENTS: tuple[Component, ...] = (
-    *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
+    *("gyro", "accelerometer", "inertial_unit", "beam", "radar", "star_tracker"),
     *("flow_meter", "landing_camera", "lidar", "stereo"),
 )
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.

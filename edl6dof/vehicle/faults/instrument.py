@@ -17,6 +17,7 @@ from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFau
 from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
+RADAR = COMPONENTS.index("radar")
 CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
@@ -73,7 +74,9 @@ class ReadingStuckParams(ReadingFault):
 
 
 class ReadingOutageParams(ReadingFault):
-    """The instrument gives no reading: a counter stops, a beam has no echo."""
+    """The instrument gives no reading: a counter stops, a beam, or every beam of a radar, has no echo."""
+
+    components: ClassVar[tuple[Component, ...]] = (*ReadingFault.components, "radar")
 
 
 class HardoverParams(CounterFault):
@@ -198,8 +201,15 @@ def reading_stuck(fault, case, since, command, plant):
 @kernel
 def reading_outage(fault, case, since, command, plant):
     """Read nothing."""
-    on = lasts(fault.params.reading_outage.duration, since, plant.t)
-    set_mode(fault, plant, OUTAGE if on else WORKING)
+    mode = OUTAGE if lasts(fault.params.reading_outage.duration, since, plant.t) else WORKING
+    if fault.of != RADAR:
+        set_mode(fault, plant, mode)
+        return
+    radar, instruments = case.sensors.params.radar, plant.instruments
+    for i in range(radar.n_beams):
+        if radar.beams[i].radar == fault.component + 1:
+            instruments.range[i].mode = mode
+            instruments.speed[i].mode = mode
 
 
 @kernel

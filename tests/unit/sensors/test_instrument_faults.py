@@ -1,5 +1,7 @@
 """Each kind of instrument fault as it shows in the reading: from its time on, in that reading alone."""
 
+import json
+
 import numpy as np
 import pytest
 from given_functions import inflict
@@ -23,9 +25,9 @@ NAMES = [
 ]  # fmt: skip
 
 
-def faulty(bench, fault, cycles=100, **motion):
+def faulty(bench, fault, cycles=100, sets=(), **motion):
     """Readings over two seconds, with a fault that begins after one."""
-    loaded = edl6dof.load("tianwen1", [*CARRIED, *NAMES, f"faults=[{{{fault}, at: {{time_s: 1}}}}]"])
+    loaded = edl6dof.load("tianwen1", [*CARRIED, *NAMES, *sets, f"faults=[{{{fault}, at: {{time_s: 1}}}}]"])
     case, command = build_records(loaded).case[0], np.zeros(1, COMMAND)[0]
     rows = []
     for k in range(cycles):
@@ -129,6 +131,18 @@ def test_beam_is_off_by_its_fault(fault, distance, speed, locked):
         assert rows["range"][-1, 1] - rows["range"][0, 1] == pytest.approx(distance, abs=0.1)
         assert rows["speed"][-1, 1] - rows["speed"][0, 1] == pytest.approx(speed, abs=0.01)
     assert np.ptp(rows["range"][:, [0, 2, 3]], axis=0).max() < 1e-6  # the planet turns
+
+
+def test_a_dead_radar_has_no_echo_on_any_of_its_beams_and_the_other_radar_has():
+    beams = [
+        {"name": name, "axis": (0.8, 0.6 * y, 0.6 * z), "radar": number}
+        for name, y, z, number in (("a", 1, 0, 1), ("b", 0, 1, 2), ("c", -1, 0, 2), ("d", 0, -1, 1))
+    ]
+    fault = "radar: r2, kind: reading_outage, reading_outage: {duration_s: 0.4}"
+    sets = [f"sensors.radar.beams={json.dumps(beams)}"]
+    locked = faulty(radar(1000.0, beams=beams), fault, sets=sets)["radar"]["locked"]
+    assert locked[:51, :4].all() and locked[51:71, [0, 3]].all() and locked[71:, :4].all()
+    assert not locked[51:71, [1, 2]].any()
 
 
 def test_beam_sticks_scatters_and_locks_on_nothing_real():

@@ -24,6 +24,7 @@ COMPONENTS = {
     "gyro": ["g1", "g2", "g3"],
     "accelerometer": ["a1"],
     "beam": ["b1", "b2"],
+    "radar": ["r1", "r2"],
     "star_tracker": ["star_tracker"],
     "inertial_unit": ["inertial_unit"],
     "branch": ["left", "right"],
@@ -52,7 +53,7 @@ def figures(found, *faults):
         FaultParams.model_validate({"kind": kind, component: name, "at": {"time_s": 1.0}})
         for kind, component, name, _ in faults
     ]
-    return exclusion_figures(found, params, COMPONENTS, plant[0])
+    return exclusion_figures(found, params, COMPONENTS, {"r1": ["b1"], "r2": ["b2"]}, plant[0])
 
 
 def test_each_change_in_words():
@@ -75,6 +76,12 @@ def test_right_exclusion_has_a_time_and_wrong_ones_count():
     assert figures(found, ("false_lock", "beam", "b1", 11.0))["time_to_exclude_s"] == pytest.approx(1.0)
     assert figures(found, ("hardover", "gyro", "g1", 9.5)) == {"instrument_false_alarms": 2.0}
     assert figures(found) == {"instrument_false_alarms": 2.0}
+
+
+def test_a_beam_of_a_dead_radar_is_excluded_rightly_and_one_of_the_other_radar_wrongly():
+    found = log((11.0, BEAMS + 1, 0), (12.0, BEAMS, 0))
+    told = figures(found, ("reading_outage", "radar", "r2", 10.0))
+    assert told == {"instrument_false_alarms": 1.0, "time_to_exclude_s": pytest.approx(1.0)}
 
 
 def test_exclusion_before_the_fault_is_a_false_alarm():

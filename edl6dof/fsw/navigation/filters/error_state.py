@@ -51,6 +51,14 @@ class ErrorStateParams(Params):
         ge=1.0,
         le=20.0,
     )
+    doubt_m_s: float = param(
+        0.25,
+        "standard deviation of an error of the velocity that a beam with a bias may have caused before it "
+        "was detected; the identification of the wrong beam allows for it",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
+    )
     patience: int = param(
         10,
         "consecutive looks in which most beams are rejected after which the solution counts as wrong",
