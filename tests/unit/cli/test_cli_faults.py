@@ -109,7 +109,7 @@ def test_every_beam_that_fails_is_named_and_the_flight_lands(sensors_flown):
     code, out, _, target = sensors_flown
     assert_told(code, out, rows_of(target))
     beams = [row for row in rows_of(target) if row["kind"] == "false_lock"]
-    assert [row["component"] for row in beams] == ["b1", "b2", "b3", "b4"]
+    assert [row["component"] for row in beams] == ["b1", "b2", "b3", "b4", "c1", "c2", "c3", "c4"]
     for row in beams:
         assert (
             row["named"] == f"beam {row['component']}" and row["name_right"] and row["wrongly_named"] is None
@@ -127,7 +127,7 @@ def test_instrument_that_is_not_used_any_more_is_not_named(sensors_flown):
     assert row["named"] is None and row["first_use_s"] is None
     groups = json.loads((target / "summary.json").read_text(encoding="utf-8"))["faults"]["groups"]
     beams, stars = groups
-    assert (beams["name_right"], stars["name_right"], stars["never_used"]) == (4, 0, 1)
+    assert (beams["name_right"], stars["name_right"], stars["never_used"]) == (8, 0, 1)
 
 
 def test_sensor_matrix_as_json(tmp_path, capsys, monkeypatch):
