@@ -64,6 +64,13 @@ class ComponentFault(Params):
     #: Failure that a correct fault isolation finds in each thruster; none for a fault of no thruster.
     failure: ClassVar[ThrusterFailure | None] = None
 
+    @classmethod
+    def sizes(cls, component: Component) -> list[dict[str, float]]:
+        """Values of parameters that a matrix of faults sweeps for a kind of component; an empty item stands
+        for the default values.
+        """
+        return [{}]
+
 
 class ThrusterFault(ComponentFault):
     """Parameters of a fault of one thruster."""

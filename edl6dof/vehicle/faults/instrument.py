@@ -33,13 +33,41 @@ class ReadingFault(InstrumentFault):
     components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam", "flow_meter")
 
 
+#: First words of the names of the parameters that are the size of a fault, for each kind of component.
+READINGS: dict[Component, tuple[str, ...]] = {
+    "gyro": ("rate",),
+    "accelerometer": ("acceleration",),
+    "beam": ("range", "speed"),
+    "flow_meter": ("flow",),
+}
+
+
+class SizedFault(ReadingFault):
+    """Parameters of a fault of one reading by some amount."""
+
+    #: Sizes of a sweep for each factor of ten, and their number.
+    per_decade: ClassVar[int] = 3
+    swept: ClassVar[int] = 7
+
+    @classmethod
+    def sizes(cls, component: Component) -> list[dict[str, float]]:
+        """Values of each size in turn, the others zero: the default and smaller ones, in equal ratios."""
+        first = {name: field.default for name, field in cls.model_fields.items()
+                 if name.split("_")[0] in READINGS[component]}  # fmt: skip
+        return [
+            {**dict.fromkeys(first, 0.0), name: float(f"{value * 10.0 ** (-k / cls.per_decade):.3g}")}
+            for name, value in first.items()
+            for k in range(cls.swept)
+        ]
+
+
 class CounterFault(InstrumentFault):
     """Parameters of a fault of an instrument with a limited range."""
 
     components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer")
 
 
-class ReadingBiasParams(ReadingFault):
+class ReadingBiasParams(SizedFault):
     """The reading is too large by a constant."""
 
     rate_deg_s: float = param(0.05, "bias of a gyro", ge=-1e3, le=1e3)
@@ -49,7 +77,7 @@ class ReadingBiasParams(ReadingFault):
     flow_kg_s: float = param(0.02, "bias of a flow meter", ge=-10.0, le=10.0)
 
 
-class ReadingDriftParams(ReadingFault):
+class ReadingDriftParams(SizedFault):
     """The reading has an error that grows linearly with time."""
 
     rate_deg_s2: float = param(0.01, "drift of a gyro", ge=-1e3, le=1e3)
@@ -59,7 +87,7 @@ class ReadingDriftParams(ReadingFault):
     flow_kg_s2: float = param(0.002, "drift of a flow meter", ge=-10.0, le=10.0)
 
 
-class ReadingNoiseParams(ReadingFault):
+class ReadingNoiseParams(SizedFault):
     """The reading has more noise, independent from cycle to cycle; parameters: standard deviations."""
 
     rate_deg_s: float = param(0.5, "noise of a gyro", ge=0.0, le=1e3)
