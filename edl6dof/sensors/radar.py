@@ -86,9 +86,7 @@ class RadarParams(Hardware):
     beams: Annotated[list[Beam], Capacity(MAX_BEAMS)] = param(
         None, "the beams and their directions", factory=four_beams, min_length=1, max_length=MAX_BEAMS
     )
-    position_m: Vec3 = param(
-        (-0.5, 0.0, 0.6), "position of the antenna in B", status="estimate", min_length=3
-    )
+    position_m: Vec3 = param((-0.5, 0.0, 0.6), "position of the antenna in B", status="estimate")
     every_cycles: int = param(5, "base cycles from one reading to the next", status="estimate", ge=1, le=1000)
     highest_m: float = param(
         7000.0, "height of the antenna above the ground above which it sees nothing", status="published",

@@ -1,4 +1,4 @@
-"""Faults of one reading (gyro, accelerometer, beam, flow meter) and of whole instruments.
+"""Faults of one reading (gyro, accelerometer, beam, star tracker, flow meter) and of whole instruments.
 
 Their effects are written to ``INSTRUMENT_FAULTS`` (:mod:`edl6dof.vehicle.plant`), which the sensors read in
 the next cycle.
@@ -17,7 +17,7 @@ from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFau
 from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
-RADAR = COMPONENTS.index("radar")
+RADAR, STAR_TRACKER = map(COMPONENTS.index, ("radar", "star_tracker"))
 CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
@@ -30,7 +30,9 @@ class InstrumentFault(ComponentFault):
 class ReadingFault(InstrumentFault):
     """Parameters of a fault of one reading."""
 
-    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam", "flow_meter")
+    components: ClassVar[tuple[Component, ...]] = (
+        *("gyro", "accelerometer", "beam", "star_tracker", "flow_meter"),
+    )
 
 
 #: First words of the names of the parameters that are the size of a fault, for each kind of component.
@@ -38,6 +40,7 @@ READINGS: dict[Component, tuple[str, ...]] = {
     "gyro": ("rate",),
     "accelerometer": ("acceleration",),
     "beam": ("range", "speed"),
+    "star_tracker": ("attitude",),
     "flow_meter": ("flow",),
 }
 
@@ -74,6 +77,7 @@ class ReadingBiasParams(SizedFault):
     acceleration_m_s2: float = param(0.05, "bias of an accelerometer", ge=-1e3, le=1e3)
     range_m: float = param(20.0, "bias of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s: float = param(2.0, "bias of the speed of a beam", ge=-1e3, le=1e3)
+    attitude_deg: float = param(0.2, "bias of the attitude of a star tracker", ge=-90.0, le=90.0)
     flow_kg_s: float = param(0.02, "bias of a flow meter", ge=-10.0, le=10.0)
 
 
@@ -84,6 +88,7 @@ class ReadingDriftParams(SizedFault):
     acceleration_m_s3: float = param(0.01, "drift of an accelerometer", ge=-1e3, le=1e3)
     range_m_s: float = param(2.0, "drift of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s2: float = param(0.2, "drift of the speed of a beam", ge=-1e3, le=1e3)
+    attitude_deg_s: float = param(0.05, "drift of the attitude of a star tracker", ge=-90.0, le=90.0)
     flow_kg_s2: float = param(0.002, "drift of a flow meter", ge=-10.0, le=10.0)
 
 
@@ -94,6 +99,7 @@ class ReadingNoiseParams(SizedFault):
     acceleration_m_s2: float = param(0.5, "noise of an accelerometer", ge=0.0, le=1e3)
     range_m: float = param(20.0, "noise of the range of a beam", ge=0.0, le=1e4)
     speed_m_s: float = param(2.0, "noise of the speed of a beam", ge=0.0, le=1e3)
+    attitude_deg: float = param(0.2, "noise of the attitude of a star tracker", ge=0.0, le=90.0)
     flow_kg_s: float = param(0.02, "noise of a flow meter", ge=0.0, le=10.0)
 
 
@@ -102,7 +108,9 @@ class ReadingStuckParams(ReadingFault):
 
 
 class ReadingOutageParams(ReadingFault):
-    """The instrument gives no reading: a counter stops, a beam, or every beam of a radar, has no echo."""
+    """There is no reading: a counter stops, a star tracker sees no stars, a beam (or every beam of a radar)
+    has no echo.
+    """
 
     components: ClassVar[tuple[Component, ...]] = (*ReadingFault.components, "radar")
 
@@ -133,12 +141,6 @@ class FalseLockParams(InstrumentFault):
     speed_m_s: float = param(0.0, "speed that it reads", ge=-1e3, le=1e3)
 
 
-class StarsLostParams(InstrumentFault):
-    """The star tracker sees no stars any more."""
-
-    components: ClassVar[tuple[Component, ...]] = ("star_tracker",)
-
-
 class ImagesLostParams(InstrumentFault):
     """The imager makes no images any more; a scan in progress ends."""
 
@@ -167,6 +169,8 @@ def set_mode(fault, plant, mode):
         instruments.accelerometer[i].mode = mode
     elif fault.of == FLOW_METER:
         instruments.flow[i].mode = mode
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].mode = mode
     else:
         instruments.range[i].mode = mode
         instruments.speed[i].mode = mode
@@ -182,6 +186,8 @@ def set_offset(fault, plant, p, factor):
         instruments.accelerometer[i].offset = factor * p.acceleration
     elif fault.of == FLOW_METER:
         instruments.flow[i].offset = factor * p.flow
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].offset = factor * p.attitude
     else:
         instruments.range[i].offset = factor * p.range
         instruments.speed[i].offset = factor * p.speed
@@ -214,6 +220,8 @@ def reading_noise(fault, case, since, command, plant):
         instruments.accelerometer[i].noise = on * p.acceleration
     elif fault.of == FLOW_METER:
         instruments.flow[i].noise = on * p.flow
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].noise = on * p.attitude
     else:
         instruments.range[i].noise = on * p.range
         instruments.speed[i].noise = on * p.speed
@@ -274,13 +282,6 @@ def false_lock(fault, case, since, command, plant):
 
 
 @kernel
-def stars_lost(fault, case, since, command, plant):
-    """Lose the stars."""
-    on = lasts(fault.params.stars_lost.duration, since, plant.t)
-    plant.instruments.star_tracker_lost = 1 if on else 0
-
-
-@kernel
 def images_lost(fault, case, since, command, plant):
     """Lose the images of an imager."""
     lost = 1 if lasts(fault.params.images_lost.duration, since, plant.t) else 0
@@ -314,7 +315,6 @@ MEMBERS = (
         "Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017)",
     ),
     Member("false_lock", FalseLockParams, {"inflict": false_lock}, "echo of a jettisoned part"),
-    Member("stars_lost", StarsLostParams, {"inflict": stars_lost}, "blinded or dead tracker"),
     Member("images_lost", ImagesLostParams, {"inflict": images_lost}, "lost supply or link"),
     Member("mirror_stuck", MirrorStuckParams, {"inflict": mirror_stuck}, "jammed drive"),
 )

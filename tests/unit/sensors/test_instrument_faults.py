@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from given_functions import inflict
 from instrument_bench import Bench
+from scipy.spatial.transform import Rotation
 from test_flow_meters import meters
 from test_inertial_unit import unit
 from test_radar import UP, radar
-from test_star_tracker import tracker
+from test_star_tracker import TRUE, tracker
 
 import edl6dof
 from edl6dof.interface.command import COMMAND
@@ -111,9 +112,38 @@ def test_all_gyros_saturate_for_a_second():
 
 
 def test_star_tracker_loses_the_stars_for_a_while():
-    rows = faulty(tracker(), "kind: stars_lost, stars_lost: {duration_s: 0.4}")
-    valid = rows["stars"]["valid"]
-    assert valid[:51].all() and not valid[51:71].any() and valid[71:].all()
+    outage = "star_tracker: s1, kind: reading_outage, reading_outage: {duration_s: 0.4}"
+    valid = faulty(tracker(), outage)["stars"]["valid"]
+    assert valid[:51].all() and not valid[51:71, 0].any() and valid[51:71, 1].all() and valid[71:].all()
+
+
+@pytest.mark.parametrize(
+    "fault, first, last",
+    [
+        ("reading_bias, reading_bias: {attitude_deg: 0.3}", 0.3, 0.3),
+        ("reading_drift, reading_drift: {attitude_deg_s: 0.1}", 0.0, 0.096),
+    ],
+)
+def test_star_tracker_is_turned_about_the_diagonal_by_its_fault(fault, first, last):
+    ideal = dict(noise_arcsec=0.0, boresight_noise_arcsec=0.0, misalignment_arcsec=0.0)
+    rows = faulty(tracker(**ideal), f"star_tracker: s2, kind: {fault}")["stars"]["q_I2B"]
+    read = Rotation.from_quat(rows.reshape(-1, 4), scalar_first=True)
+    off = np.degrees((TRUE.inv() * read).as_rotvec()).reshape(-1, 2, 3)
+    diagonal = np.full(3, np.sqrt(1.0 / 3.0))
+    np.testing.assert_allclose(off[:, 0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(off[[50, 51, -1], 1], np.outer([0.0, first, last], diagonal), atol=1e-6)
+
+
+def test_star_tracker_sticks_and_scatters():
+    held = faulty(tracker(), "star_tracker: s1, kind: reading_stuck")["stars"]
+    assert held["valid"].all() and np.ptp(held["q_I2B"][50:, 0], axis=0).max() == 0.0
+    assert np.ptp(held["q_I2B"][:51, 0], axis=0).max() > 0.0 < np.ptp(held["q_I2B"][50:, 1], axis=0).max()
+    ideal = dict(noise_arcsec=0.0, boresight_noise_arcsec=0.0, misalignment_arcsec=0.0)
+    noise = "star_tracker: s1, kind: reading_noise, reading_noise: {attitude_deg: 0.2}"
+    rows = faulty(tracker(**ideal), noise, cycles=650)["stars"]["q_I2B"][51:, 0]
+    read = Rotation.from_quat(rows, scalar_first=True)
+    size = np.degrees((TRUE.inv() * read).as_rotvec()) @ np.full(3, np.sqrt(1.0 / 3.0))
+    assert size.std() == pytest.approx(0.2, rel=5.0 / np.sqrt(1200.0))
 
 
 @pytest.mark.parametrize(
@@ -189,7 +219,7 @@ def test_flow_meter_sticks_and_scatters():
 
 
 def test_sound_instruments_on_the_same_bench_say_nothing():
-    assert not faulty(unit(), "kind: stars_lost")["inertial"]["angle"].any()
+    assert not faulty(unit(), "star_tracker: s1, kind: reading_outage")["inertial"]["angle"].any()
     assert Bench("inertial_unit").plant["instruments"].tobytes() == bytes(
         Bench("inertial_unit").plant["instruments"].nbytes
     )

@@ -25,7 +25,7 @@ COMPONENTS = {
     "accelerometer": ["a1"],
     "beam": ["b1", "b2"],
     "radar": ["r1", "r2"],
-    "star_tracker": ["star_tracker"],
+    "star_tracker": ["s1"],
     "inertial_unit": ["inertial_unit"],
     "branch": ["left", "right"],
     "flow_meter": ["left", "right"],
@@ -63,7 +63,7 @@ def test_each_change_in_words():
     )  # fmt: skip
     assert [one.label for one in found] == [
         "gyro g3 excluded", "accelerometer a1 excluded", "beam b2 excluded", "beam b2 back in use",
-        "star tracker excluded", "gyros saturated", "gyros read again",
+        "star tracker s1 excluded", "gyros saturated", "gyros read again",
     ]  # fmt: skip
     assert [one.t_s for one in found] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
 
@@ -120,6 +120,7 @@ def test_log_holds_each_change_once_and_in_the_order_of_time():
     instruments, memory = np.zeros(1, ONBOARD["instruments"])[0], np.zeros(1, EXCLUSIONS)[0]
     health, motion = np.ones(1, INSTRUMENT_HEALTH)[0], np.zeros(1, MOTION)[0]
     instruments["n_gyros"], instruments["n_accelerometers"], instruments["n_beams"] = 3, 2, 2
+    instruments["n_trackers"] = 2
     motion["rate_known"] = 1
     changes = [
         (1.0, health["gyro"], 2, 0, GYROS + 2),
@@ -128,7 +129,7 @@ def test_log_holds_each_change_once_and_in_the_order_of_time():
         (4.0, health["beam_speed"], 1, 0, BEAMS + 1),
         (5.0, health["gyro"], 2, 1, GYROS + 2),
         (6.0, motion, "rate_known", 0, INERTIAL_UNIT),
-        (7.0, health, "star_tracker", 0, STAR_TRACKER),
+        (7.0, health["star_tracker"], 1, 0, STAR_TRACKER + 1),
         (8.0, motion, "rate_known", 1, INERTIAL_UNIT),
     ]
     note_changes(instruments, 0.0, health, motion, memory)

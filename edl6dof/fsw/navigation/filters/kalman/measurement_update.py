@@ -241,12 +241,12 @@ def apply_correction(memory, solution):
 
 @kernel
 def update_by_stars(params, onboard, sensed, motion, solution, memory):
-    """Update covariance and correction with a valid star fix."""
-    q, measured = attitude_at(solution, motion, sensed.t), sensed.stars.q_I2B
-    fix = take4(measured)
-    turn = rotation_vector(multiply(fix, conjugate(q)))
+    """Update covariance and correction with a star fix."""
+    q = attitude_at(solution, motion, sensed.t)
+    turn = rotation_vector(multiply(take4(motion.fix_q_I2B), conjugate(q)))
     x, y, z = axes(q)
-    row, refused, noise = memory.row, 0, onboard.instruments.star_sigma**2
+    row, refused = memory.row, 0
+    noise = onboard.instruments.star_sigma**2 / motion.fixes + motion.fix_doubt
     up = unit(take3(solution.r_I, 0))
     for i in range(3):
         clear_row(row)
