@@ -25,6 +25,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.timeline import NO_MILESTONE, milestone
 from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.fault import about
 
 #: Time from the start of a phase to the fault by default, s; most moments of a matrix.
 AFTER_S, _MOST = 1.0, 2000
@@ -71,8 +72,9 @@ def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParam
     if choice.problems:
         raise ConfigError(choice.problems)
     groups = [
-        FaultGroup(kind=kind, component=component, names=names, moments=moments[kind])
+        FaultGroup(kind=kind, component=component, names=names, moments=moments[kind], params=params)
         for kind, component, names in failing
+        for params in ([{}] if request.pairs else about(kind).sizes(component))
     ]
     return FaultMatrixParams(groups=groups, together=choice.together)
 

@@ -21,7 +21,13 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.distributions import DistributionParams, deviates
-from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
+from edl6dof.campaign.design.sections import (
+    CampaignParams,
+    Correlated,
+    FaultGroup,
+    FaultMatrixParams,
+    FaultMoment,
+)
 from edl6dof.campaign.row_columns import Of
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
@@ -257,11 +263,17 @@ class Cell:
 def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
     """Yield the cells of a fault matrix: for each group its moments, for each moment its components."""
     for group in matrix.groups:
+        size = ", ".join(f"{name}={value:g}" for name, value in group.params.items() if value != 0.0)
         for moment in group.moments:
-            at = moment.at.model_dump(exclude_none=True)
             for names in combinations(group.names, matrix.together):
-                faults = tuple({group.component: name, "kind": group.kind, "at": at} for name in names)
-                yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
+                faults = tuple(_fault(group, name, moment) for name in names)
+                label = {"component": AND.join(names), "kind": group.kind, "moment": moment.name}
+                yield Cell(faults, {**label, "size": size} if size else label)
+
+
+def _fault(group: FaultGroup, name: str, moment: FaultMoment) -> dict[str, Any]:
+    at = moment.at.model_dump(exclude_none=True)
+    return {group.component: name, "kind": group.kind, "at": at, group.kind: group.params}
 
 
 def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
@@ -279,6 +291,6 @@ def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> 
             locator.refuse(place, f"names {len(group.names)} of the {matrix.together} that fail together")
         for k, moment in enumerate(group.moments):
             for name in group.names if k == 0 else group.names[:1]:
-                data = {group.component: name, "kind": group.kind, "at": moment.at.model_dump()}
-                for _, message in _fault_problems(data, locator):
-                    locator.refuse(place, message)
+                for where, message in _fault_problems(_fault(group, name, moment), locator):
+                    inside = ("params", *where[1:]) if where[:1] == (group.kind,) else ()
+                    locator.refuse((*place, *inside), message)

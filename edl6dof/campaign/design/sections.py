@@ -199,6 +199,9 @@ class FaultGroup(Params):
     component: Component = param(REQUIRED, "kind of component that fails")
     names: list[str] = param(REQUIRED, "components that fail, one after the other", min_length=1)
     moments: list[FaultMoment] = param(REQUIRED, "moments at which they fail", min_length=1)
+    params: dict[str, float] = param(
+        None, "parameters of the kind of fault that do not have their default values", factory=dict
+    )
 
 
 class FaultMatrixParams(Params):

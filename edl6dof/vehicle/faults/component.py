@@ -23,6 +23,7 @@ Component = Literal[
     "accelerometer",
     "inertial_unit",
     "beam",
+    "radar",
     "star_tracker",
     "flow_meter",
     "landing_camera",
@@ -32,7 +33,7 @@ Component = Literal[
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Kinds of component that measure.
 INSTRUMENTS: tuple[Component, ...] = (
-    *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
+    *("gyro", "accelerometer", "inertial_unit", "beam", "radar", "star_tracker"),
     *("flow_meter", "landing_camera", "lidar", "stereo"),
 )
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
@@ -62,6 +63,13 @@ class ComponentFault(Params):
     happens_in: ClassVar[tuple[Role, ...]] = ()
     #: Failure that a correct fault isolation finds in each thruster; none for a fault of no thruster.
     failure: ClassVar[ThrusterFailure | None] = None
+
+    @classmethod
+    def sizes(cls, component: Component) -> list[dict[str, float]]:
+        """Values of parameters that a matrix of faults sweeps for a kind of component; an empty item stands
+        for the default values.
+        """
+        return [{}]
 
 
 class ThrusterFault(ComponentFault):
