@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from edl6dof.campaign.design.distributions import DistributionParams, deviates
-from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
+from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultGroup, FaultMatrixParams
 from edl6dof.campaign.row_columns import Of
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
@@ -260,8 +260,13 @@ def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
         for moment in group.moments:
             at = moment.at.model_dump(exclude_none=True)
             for names in combinations(group.names, matrix.together):
-                faults = tuple({group.component: name, "kind": group.kind, "at": at} for name in names)
+                faults = tuple(_fault(group, name, at) for name in names)
                 yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
+
+
+def _fault(group: FaultGroup, name: str, at: dict[str, Any]) -> dict[str, Any]:
+    """Fault of a component of a group, as written under ``faults:``; ``at``: when it begins."""
+    return {**group.settings, group.component: name, "kind": group.kind, "at": at}
 
 
 def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
@@ -279,6 +284,6 @@ def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> 
             locator.refuse(place, f"names {len(group.names)} of the {matrix.together} that fail together")
         for k, moment in enumerate(group.moments):
             for name in group.names if k == 0 else group.names[:1]:
-                data = {group.component: name, "kind": group.kind, "at": moment.at.model_dump()}
-                for _, message in _fault_problems(data, locator):
-                    locator.refuse(place, message)
+                for keys, message in _fault_problems(_fault(group, name, moment.at.model_dump()), locator):
+                    own = keys and keys[0] in group.settings
+                    locator.refuse((*place, "settings", *keys) if own else place, message)

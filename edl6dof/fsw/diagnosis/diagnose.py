@@ -132,6 +132,7 @@ class DiagnosisSignals(NamedTuple):
         t: present time, s.
         dt: control cycle, s.
         healthy: updated, 0 for a thruster out of use.
+        loss: updated, share of the thrust that a thruster in use has lost, allowed for in ``effectiveness``.
     """
 
     vehicle: Any
@@ -145,10 +146,11 @@ class DiagnosisSignals(NamedTuple):
     t: Any
     dt: Any
     healthy: Any
+    loss: Any
 
 
 #: The signals that diagnosis writes.
-WRITES = ("healthy",)
+WRITES = ("healthy", "loss")
 
 
 @kernel
@@ -173,12 +175,17 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little thrust, and take it out of use unless its loss is small."""
-    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
+    """Record a thruster that gives too little thrust, and take it out of use unless its loss is small: then
+    allow for the loss from now on, for that of flow only if its meter has shown it.
+    """
+    left, flow = 1.0 - loss, memory.flow
     if kind == DEGRADED and loss < params.loss_least:
-        memory.flow.known_loss[i] = loss
+        signals.loss[i] = 1.0 - left * (1.0 - signals.loss[i])
+        if flow.off[i].cycles > 0:
+            flow.known_loss[i] = 1.0 - left * (1.0 - flow.known_loss[i])
     else:
         signals.healthy[i] = 0
+    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
 
 
 @kernel

@@ -96,7 +96,7 @@ FLOW = record(
     ("seen", COUNT),  # branches whose loss is known well enough
     ("suspecting", FLAG),  # a thruster shows a loss
     ("common", "f8"),  # fraction of flow that all branches lack
-    ("known_loss", "f8", (MAX_THRUSTERS,)),  # fraction lost by degraded thrusters that stay in use
+    ("known_loss", "f8", (MAX_THRUSTERS,)),  # fraction of flow lost by degraded thrusters that stay in use
     ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
     # check of each meter by the other thrusters
     ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),

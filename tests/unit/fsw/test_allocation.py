@@ -49,7 +49,7 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     asked["wrench"], asked["groups"], asked["translating"] = demand, allowed, translating
     effectiveness = np.zeros(1, EFFECTIVENESS)[0]
     vehicle["configuration"][LANDER]["centre"] = centre
-    update_effectiveness(vehicle, LANDER, effectiveness)
+    update_effectiveness(vehicle, LANDER, HEALTHY["loss"], effectiveness)
     assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
         allocate(p, vehicle, HEALTHY, effectiveness, asked, memory)

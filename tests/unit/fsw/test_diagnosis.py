@@ -20,6 +20,7 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     evidence_by_flow_and_thrust,
 )
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.sensed import SENSED
 from edl6dof.kernels import kernel
 from edl6dof.scenario.loading import load_scenario
@@ -34,7 +35,7 @@ DT = 0.04
 @pytest.fixture(scope="module")
 def effectiveness(shared_onboard):
     record = np.zeros(1, EFFECTIVENESS)
-    update_effectiveness(shared_onboard[0]["vehicle"], LANDER, record[0])
+    update_effectiveness(shared_onboard[0]["vehicle"], LANDER, np.zeros(MAX_THRUSTERS), record[0])
     return record["matrix"][0]
 
 
@@ -54,6 +55,7 @@ def look(onboards, sensed, memories, t):
         t=t,
         dt=DT,
         healthy=memory.health.thruster,
+        loss=memory.health.loss,
     )
     diagnose(onboard.diagnosis, signals, memory.diagnosis)
 
@@ -147,7 +149,7 @@ def test_diagnosis_writes_its_memory_and_the_signals_that_it_declares(
         watch = Watch(shared_onboard, effectiveness)
         for _ in range(80):
             watch.cycle(fault)
-    assert changed == {"health"} and WRITES == ("healthy",)
+    assert changed == {"health"} and WRITES == ("healthy", "loss")
 
 
 @pytest.fixture(scope="module")
