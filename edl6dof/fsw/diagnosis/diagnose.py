@@ -233,7 +233,8 @@ def continue_leak_isolation(params, signals, memory):
         reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         memory.streak = 0
-        if best.kind == STUCK_OFF or best.kind == DEGRADED:  # not suspected of leaking, or voided by an event
+        # not suspected of leaking, or voided by an event
+        if leak.metered == 0 and (best.kind == STUCK_OFF or best.kind == DEGRADED):
             isolate_most_probable(params, signals, memory)
 
 
@@ -286,7 +287,8 @@ def diagnose(params, signals, memory):
         # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
         # thruster that does not respond has failed in any case
         doubt = 1.5 * params.prior if best.kind == STUCK_ON else 0.0
-        start_leak_isolation(signals, leaking, metered_leak, doubt, memory=memory.leak)
+        flowing = flow.residual[leaking]
+        start_leak_isolation(signals, leaking, metered_leak, flowing, doubt=doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and settled:

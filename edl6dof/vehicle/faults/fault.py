@@ -110,6 +110,11 @@ class FaultParams(_NamedComponent):
         allowed = about(self.kind).components
         return next((name for name in allowed if getattr(self, name) is not None), allowed[0])
 
+    @property
+    def lasts_s(self) -> float:
+        """Time from its beginning to its end, s; infinite if it lasts to the end of the flight."""
+        return self.duration_s or about(self.kind).usual_duration_s
+
     def acts_on(self, components: Components) -> str:
         """Name of the component that a checked fault acts on; ``components``: names by kind."""
         name: str | None = getattr(self, self.component)
@@ -169,5 +174,5 @@ def fill_faults(
         slot["component"] = components[fault.component].index(fault.acts_on(components))
         slot["phase"] = phases.index(fault.at.phase) if fault.at.phase is not None else -1
         slot["after"] = fault.at.plus_s if fault.at.phase is not None else fault.at.time_s
-        slot["duration"] = fault.duration_s or about(fault.kind).usual_duration_s
+        slot["duration"] = fault.lasts_s
         fill(slot["params"], fault)
