@@ -122,6 +122,30 @@ def test_plan_written_out_gives_the_same_cells(tmp_path):
     assert again.text == first.text and list(again.cases(500, 520)) == list(first.cases(500, 520))
 
 
+def test_settings_are_those_of_every_fault_of_the_matrix():
+    settings = "{degraded: {flow_factor: 1.0}, duration_s: 20.0}"
+    some = plan(dict(kinds="degraded", components="D1,D2", at="60", settings=settings))
+    for case, name in zip(some.cases(), ("D1", "D2"), strict=True):
+        [fault] = case.truth["faults"]
+        assert fault["thruster"] == name and fault["duration_s"] == 20.0
+        assert fault["degraded"]["flow_factor"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ("{duration_s: -1}", "fault_matrix.groups.0.settings.duration_s: must be > 0 s (got -1)"),
+        ("{slow: {rise_s: 1}, x: 2}", "fault_matrix.groups.0.settings.x: unknown"),
+        ("12", "--with: must be keys of a fault, such as '{duration_s: 20}' (got 12)"),
+        ("{a: [", "--with: must be keys of a fault"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_at_their_key(settings, words):
+    with pytest.raises(ConfigError) as caught:
+        plan(dict(components="D1", at="60", settings=settings))
+    assert words in str(caught.value)
+
+
 def test_a_cell_that_cannot_be_is_refused(tmp_path):
     text = """
 fault_matrix:
@@ -212,11 +236,12 @@ def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
 
 @pytest.mark.long
 def test_row_has_the_bits_of_the_same_fault_flown_alone(here):
-    """Among other cells, after another in the same thread."""
-    words = ("--kinds", "stuck_on", "--components", "D5,F3", "--at", "129.5", "--workers", "1", "--out", "m")
-    assert command("faults", "tianwen1", *words)[0] in (0, 1)
+    """Among other cells, after another in the same thread; the fault comes and goes at random."""
+    words = ("--kinds", "stuck_off", "--components", "D5,F3", "--at", "129.5", "--workers", "1", "--out", "m")
+    assert command("faults", "tianwen1", *words, "--with", "{presence: 0.5}")[0] in (0, 1)
     row = Store(Path("m")).table().to_pylist()[1]
-    alone = edl6dof.fly("tianwen1", ["faults=[{thruster: F3, kind: stuck_on, at: {time_s: 129.5}}]"])
+    fault = "{thruster: F3, kind: stuck_off, presence: 0.5, at: {time_s: 129.5}}"
+    alone = edl6dof.fly("tianwen1", [f"faults=[{fault}]"])
     assert row["component"] == "F3" and row["outcome"] == alone.outcome and row["end_s"] == alone.time_s
     assert {name: row[name] for name in alone.figures} == alone.figures
     status, out, _ = command("refly", "m", "1", "--no-replay")

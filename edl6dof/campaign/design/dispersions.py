@@ -18,7 +18,7 @@ from math import comb
 from typing import Any, get_args
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from edl6dof.campaign.design.distributions import DistributionParams, deviates
 from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultGroup, FaultMatrixParams
@@ -29,7 +29,8 @@ from edl6dof.config.document.overrides import ensure_path
 from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, bounds, root_slot, value_at
-from edl6dof.config.refused import REFUSED, NotKnown
+from edl6dof.config.refused import REFUSED, NotKnown, steps
+from edl6dof.config.validate import validate
 from edl6dof.config.wording import counted, in_bounds
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import truth_problem
@@ -223,10 +224,10 @@ def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Ke
     """Yield the problems of a fault written as under ``faults:``, as paths inside it and messages."""
     scenario = locator.loaded.scenario
     try:
-        fault = FaultParams.model_validate(data)
-    except ValidationError as error:
-        for item in error.errors(include_url=False):
-            yield item["loc"], item["msg"]
+        fault = validate(FaultParams, Document(data))
+    except ConfigError as error:
+        for problem in error.problems:
+            yield steps(problem.path), problem.message
         return
     for key, message in fault_problems([fault], scenario.components, scenario.phase_names).items():
         yield tuple(key.split(".")[2:]), message

@@ -2,14 +2,15 @@
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
 whose prior is the price of a false alarm; a fault is isolated when the confidence is high in several cycles
-in a row. A dead thruster is then not used any more; a thruster that has lost little thrust is reported and
-stays in use. A thruster that stays open is shut off by the latch valve of its branch, and the other thrusters
-of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the latch valve is
-moved when force and torque show the opening of a valve, and before a thruster that does not respond is
-isolated: it may be stuck open or closed.
+in a row. A dead thruster is then not used any more; a weak one stays in use, and allocation, estimation and
+diagnosis allow for its loss. A thruster that stays open is shut off by the latch valve of its branch, and the
+other thrusters of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the
+latch valve is moved when force and torque show the opening of a valve, and before a thruster that does not
+respond is isolated: it may be stuck open or closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
-in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
+in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful; the
+return of a thruster whose fault has ended.
 """
 
 from __future__ import annotations
@@ -85,10 +86,13 @@ class DiagnosisParams(Params):
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
     streak: int = param(2, "consecutive cycles in which the confidence must be reached", ge=1, le=50)
     loss_least: float = param(
-        0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
+        0.3, "fraction of thrust lost from which force and torque isolate a thruster", gt=0.0, le=1.0
     )
     loss_dead: float = param(
-        0.85, "fraction of thrust lost from which a thruster counts as stuck off", gt=0.0, le=1.0
+        0.85,
+        "fraction of thrust lost from which a thruster counts as stuck off and is not used any more",
+        gt=0.0,
+        le=1.0,
     )
     onset: float = param(
         5.0, "evidence of an opening valve from which the latch valve of its branch is moved", gt=0.0
@@ -175,11 +179,11 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little thrust, and take it out of use unless its loss is small: then
-    allow for the loss from now on, for that of flow only if its meter has shown it.
+    """Record a thruster that gives too little thrust. A dead one is taken out of use; the loss of a weak one
+    is allowed for from now on, in the expected flow only if its meter has shown it.
     """
     left, flow = 1.0 - loss, memory.flow
-    if kind == DEGRADED and loss < params.loss_least:
+    if kind == DEGRADED:
         signals.loss[i] = 1.0 - left * (1.0 - signals.loss[i])
         if flow.off[i].cycles > 0:
             flow.known_loss[i] = 1.0 - left * (1.0 - flow.known_loss[i])

@@ -274,8 +274,8 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
     and torque; :func:`.leak_isolation.leaking_branch` finds open valves by the flow. A meter that reads an
     impossible flow at rest gives no evidence.
     """
-    # a bad catalyst loses no flow: where flow is missing too, the meter would have to have failed as well, and
-    # force and torque do not restart
+    # a bad catalyst loses no flow: where flow is missing too, the meter would have to have failed as well;
+    # then force and torque do not restart
     flows = flow.off[i].cycles == 0
     loss, lost = loss_evidence(params, memory.off[i], least, flows)
     kind = kind_of(params, loss)
