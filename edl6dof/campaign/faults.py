@@ -20,6 +20,7 @@ from edl6dof.campaign.executor import Row
 from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.interface.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
@@ -33,12 +34,13 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FAULT_KINDS, about
 
-#: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, of thrusters.
+#: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, the three of a
+#: thruster that fault isolation distinguishes.
 OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(about(kind).components) <= set(INSTRUMENTS))
 KINDS = tuple(
     kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(about(kind).components) == 1
 )
-OF_THRUSTERS = tuple(kind for kind in KINDS if about(kind).components == ("thruster",))
+OF_THRUSTERS = THRUSTER_FAILURES
 
 #: Roles of the phases (the first of each) in which a fault begins by default: one of each kind of attitude
 #: control; for instruments, all phases of flight.

@@ -16,7 +16,7 @@ from edl6dof.vehicle.plant import NOT_BEGUN
 
 @dataclass(frozen=True)
 class IsolatedFault:
-    """A thruster fault that the flight computer isolated; it takes the thruster out of use."""
+    """A thruster fault that the flight computer isolated; only a degraded thruster stays in use."""
 
     thruster: str
     kind: str  # stuck off, stuck on, degraded

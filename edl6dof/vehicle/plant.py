@@ -97,6 +97,10 @@ VALVES = record(
     ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
     ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
     ("feed_lost", "f8"),  # share of thrust and flow that all thrusters lose with their feed
+    ("leak", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a shut valve lets through
+    ("flow_leak", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow that it lets through
+    ("rise", "f8", (MAX_THRUSTERS,)),  # s: that of a slow valve; 0: as built
+    ("decay", "f8", (MAX_THRUSTERS,)),  # s
     # how each thruster fails, 0 for one that works
     ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
@@ -63,6 +64,10 @@ class ComponentFault(Params):
     happens_in: ClassVar[tuple[Role, ...]] = ()
     #: Failure that a correct fault isolation finds in each thruster; none for a fault of no thruster.
     failure: ClassVar[ThrusterFailure | None] = None
+    #: Duration where a fault gives none, s; infinite: to the end of the flight.
+    usual_duration_s: ClassVar[float] = inf
+    #: False for a fault that cannot end, such as a lost part.
+    ends: ClassVar[bool] = True
 
     @classmethod
     def sizes(cls, component: Component) -> list[dict[str, float]]:

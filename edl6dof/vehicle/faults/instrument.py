@@ -14,20 +14,14 @@ from edl6dof.interface.roles import PARACHUTE, Role
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
-from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
 RADAR, STAR_TRACKER = map(COMPONENTS.index, ("radar", "star_tracker"))
 CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
-class InstrumentFault(ComponentFault):
-    """Parameters of a fault of an instrument, temporary or permanent."""
-
-    duration_s: float = param(0.0, "duration; 0: to the end of the flight", ge=0.0)
-
-
-class ReadingFault(InstrumentFault):
+class ReadingFault(ComponentFault):
     """Parameters of a fault of one reading."""
 
     components: ClassVar[tuple[Component, ...]] = (
@@ -64,7 +58,7 @@ class SizedFault(ReadingFault):
         ]
 
 
-class CounterFault(InstrumentFault):
+class CounterFault(ComponentFault):
     """Parameters of a fault of an instrument with a limited range."""
 
     components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer")
@@ -123,16 +117,15 @@ class SaturationParams(CounterFault):
     """The reading is at the end of its range, on the side of the true motion, with the flag of saturation."""
 
 
-class GyrosSaturatedParams(InstrumentFault):
+class GyrosSaturatedParams(ComponentFault):
     """All gyros are at the end of their range at once, as when a parachute opens."""
 
     components: ClassVar[tuple[Component, ...]] = ("inertial_unit",)
     happens_in: ClassVar[tuple[Role, ...]] = (PARACHUTE,)
+    usual_duration_s: ClassVar[float] = 1.0
 
-    duration_s: float = param(1.0, "duration; 0: to the end of the flight", ge=0.0)
 
-
-class FalseLockParams(InstrumentFault):
+class FalseLockParams(ComponentFault):
     """The beam has an echo that is not of the ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("beam",)
@@ -141,22 +134,16 @@ class FalseLockParams(InstrumentFault):
     speed_m_s: float = param(0.0, "speed that it reads", ge=-1e3, le=1e3)
 
 
-class ImagesLostParams(InstrumentFault):
+class ImagesLostParams(ComponentFault):
     """The imager makes no images any more; a scan in progress ends."""
 
     components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo")
 
 
-class MirrorStuckParams(InstrumentFault):
+class MirrorStuckParams(ComponentFault):
     """The mirror of the lidar does not move: all rows of a scan show the same ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("lidar",)
-
-
-@kernel
-def lasts(duration, since, t):
-    """True if a fault that began at ``since`` (s) still lasts at ``t``."""
-    return duration == 0.0 or t < since + duration
 
 
 @kernel
@@ -196,108 +183,93 @@ def set_offset(fault, plant, p, factor):
 @kernel
 def reading_bias(fault, case, since, command, plant):
     """Add a constant."""
-    p = fault.params.reading_bias
-    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, p, on)
+    set_offset(fault, plant, fault.params.reading_bias, 1.0)
 
 
 @kernel
 def reading_drift(fault, case, since, command, plant):
     """Add an error that has grown since the fault began."""
-    p = fault.params.reading_drift
-    age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, p, age)
+    set_offset(fault, plant, fault.params.reading_drift, plant.t - since)
 
 
 @kernel
 def reading_noise(fault, case, since, command, plant):
     """Add noise."""
     p, i, instruments = fault.params.reading_noise, fault.component, plant.instruments
-    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
     if fault.of == GYRO:
-        instruments.gyro[i].noise = on * p.rate
+        instruments.gyro[i].noise = p.rate
     elif fault.of == ACCELEROMETER:
-        instruments.accelerometer[i].noise = on * p.acceleration
+        instruments.accelerometer[i].noise = p.acceleration
     elif fault.of == FLOW_METER:
-        instruments.flow[i].noise = on * p.flow
+        instruments.flow[i].noise = p.flow
     elif fault.of == STAR_TRACKER:
-        instruments.stars[i].noise = on * p.attitude
+        instruments.stars[i].noise = p.attitude
     else:
-        instruments.range[i].noise = on * p.range
-        instruments.speed[i].noise = on * p.speed
+        instruments.range[i].noise = p.range
+        instruments.speed[i].noise = p.speed
 
 
 @kernel
 def reading_stuck(fault, case, since, command, plant):
     """Hold the reading."""
-    on = lasts(fault.params.reading_stuck.duration, since, plant.t)
-    set_mode(fault, plant, STUCK if on else WORKING)
+    set_mode(fault, plant, STUCK)
 
 
 @kernel
 def reading_outage(fault, case, since, command, plant):
     """Read nothing."""
-    mode = OUTAGE if lasts(fault.params.reading_outage.duration, since, plant.t) else WORKING
     if fault.of != RADAR:
-        set_mode(fault, plant, mode)
+        set_mode(fault, plant, OUTAGE)
         return
     radar, instruments = case.sensors.params.radar, plant.instruments
     for i in range(radar.n_beams):
         if radar.beams[i].radar == fault.component + 1:
-            instruments.range[i].mode = mode
-            instruments.speed[i].mode = mode
+            instruments.range[i].mode = OUTAGE
+            instruments.speed[i].mode = OUTAGE
 
 
 @kernel
 def hardover(fault, case, since, command, plant):
     """Go to the end of the range."""
-    on = lasts(fault.params.hardover.duration, since, plant.t)
-    set_mode(fault, plant, HARDOVER if on else WORKING)
+    set_mode(fault, plant, HARDOVER)
 
 
 @kernel
 def saturation(fault, case, since, command, plant):
     """Go to the end of the range, with the flag of saturation."""
-    on = lasts(fault.params.saturation.duration, since, plant.t)
-    set_mode(fault, plant, SATURATED if on else WORKING)
+    set_mode(fault, plant, SATURATED)
 
 
 @kernel
 def gyros_saturated(fault, case, since, command, plant):
     """Saturate every gyro."""
-    on = lasts(fault.params.gyros_saturated.duration, since, plant.t)
     for i in range(MAX_GYROS):
-        plant.instruments.gyro[i].mode = SATURATED if on else WORKING
+        plant.instruments.gyro[i].mode = SATURATED
 
 
 @kernel
 def false_lock(fault, case, since, command, plant):
     """Read something else than the ground."""
-    p = fault.params.false_lock
-    on = lasts(p.duration, since, plant.t)
-    set_mode(fault, plant, FALSE_LOCK if on else WORKING)
-    i, instruments = fault.component, plant.instruments
-    instruments.range[i].offset = p.range if on else 0.0
-    instruments.speed[i].offset = p.speed if on else 0.0
+    p, i, instruments = fault.params.false_lock, fault.component, plant.instruments
+    set_mode(fault, plant, FALSE_LOCK)
+    instruments.range[i].offset, instruments.speed[i].offset = p.range, p.speed
 
 
 @kernel
 def images_lost(fault, case, since, command, plant):
     """Lose the images of an imager."""
-    lost = 1 if lasts(fault.params.images_lost.duration, since, plant.t) else 0
     if fault.of == CAMERA:
-        plant.instruments.camera_lost = lost
+        plant.instruments.camera_lost = 1
     elif fault.of == LIDAR:
-        plant.instruments.lidar_lost = lost
+        plant.instruments.lidar_lost = 1
     else:
-        plant.instruments.stereo_lost = lost
+        plant.instruments.stereo_lost = 1
 
 
 @kernel
 def mirror_stuck(fault, case, since, command, plant):
     """Hold the mirror."""
-    on = lasts(fault.params.mirror_stuck.duration, since, plant.t)
-    plant.instruments.mirror_stuck = 1 if on else 0
+    plant.instruments.mirror_stuck = 1
 
 
 MEMBERS = (
