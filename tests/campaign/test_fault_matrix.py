@@ -140,9 +140,8 @@ def test_each_reading_of_an_instrument_is_swept_alone_in_equal_ratios():
 def test_a_parameter_that_a_kind_of_fault_does_not_have_is_refused(tmp_path):
     group = "{kind: reading_bias, component: gyro, names: [g1], moments: [{name: b, at: {time_s: 1.0}}], "
     file = tmp_path / "m.yaml"
-    file.write_text(
-        f"extends: tianwen1\nfault_matrix: {{groups: [{group}settings: {{reading_bias: {{rate_deg: 1.0}}}}}}]}}\n"
-    )
+    group += "settings: {reading_bias: {rate_deg: 1.0}}}"
+    file.write_text(f"extends: tianwen1\nfault_matrix: {{groups: [{group}]}}\n")
     with pytest.raises(ConfigError, match=r"fault_matrix\.groups\.0\.settings\.reading_bias\.rate_deg: "):
         load_plan(str(file))
 
