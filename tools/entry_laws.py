@@ -62,25 +62,23 @@ def main(folder: Path) -> None:
     grids = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["grids"]
     for vehicle in kinds(rows, "vehicle"):
         own = pick(rows, vehicle=vehicle)
-        calls = {
-            row["law"]: f"{row['call us']:.1f}"
-            for grid in grids
-            if grid["title"].startswith(f"{vehicle}: mean of")
-            for row in grid["rows"]
-        }
-        print(f"\n## {vehicle}\n\nAs dispersed, {flights(own, DISPERSED)} entries of each law:\n")
-        dispersed = pick(own, condition=DISPERSED)
-        laws = best_first(dispersed)
-        columns = {
-            **figures(flights(own, DISPERSED)),
-            "call, us": lambda rows, calls=calls: calls[rows[0]["law"]],
-        }
-        table({law: pick(dispersed, law=law) for law in laws}, columns)
-        others = [name for name in CONDITIONS if name != DISPERSED]
-        print(
-            f"\nMiss of 95 % and bias (km) under each condition, {flights(own, others[0])} entries of each law:\n"
-        )
-        table({law: pick(own, law=law) for law in laws}, {name: under(name) for name in others})
+        costs = [grid["rows"] for grid in grids if grid["title"].startswith(f"{vehicle}: mean of")]
+        section(vehicle, own, {row["law"]: f"{row['call us']:.1f}" for row in costs[0]})
+
+
+def section(vehicle: str, rows: Sequence[Row], calls: dict[str, str]) -> None:
+    """Print the tables of a vehicle; ``calls``: time of a call of each law."""
+    dispersed, others = pick(rows, condition=DISPERSED), [name for name in CONDITIONS if name != DISPERSED]
+    many, again = flights(rows, DISPERSED), flights(rows, others[0])
+    laws = best_first(dispersed)
+    print(f"\n## {vehicle}\n\nAs dispersed, {many} entries of each law:\n")
+
+    def call(rows: list[Row]) -> str:
+        return calls[rows[0]["law"]]
+
+    table({law: pick(dispersed, law=law) for law in laws}, {**figures(many), "call, us": call})
+    print(f"\nMiss of 95 % and bias (km) under each condition, {again} entries of each law:\n")
+    table({law: pick(rows, law=law) for law in laws}, {name: under(name) for name in others})
 
 
 def flights(rows: Sequence[Row], condition: str) -> int:

@@ -38,12 +38,12 @@ FLIGHTS = {
     "runs/titan_probe": "fly titan_probe",
     "runs/earth_drop": "fly earth_drop",
     "runs/faults": (
-        "faults tianwen1 --out runs/faults --pairs --kinds stuck_on --at 200 "
+        "faults tianwen1_meters --out runs/faults --pairs --kinds stuck_on --at 200 "
         "--components A1,A2,A3,A4,P1,P2,P3,P4,D1,D3,D5,D7"
     ),
 }
 #: Remarks for tools/run_docs.py above commands that end with status 1.
-OUTSIDE_LIMITS = {"runs/faults": "<!-- or status 1: `faults tianwen1`: some are not within limits -->"}
+OUTSIDE_LIMITS = {"runs/faults": "<!-- or status 1: `faults tianwen1_meters`: some are not within limits -->"}
 
 
 class Picture(NamedTuple):
@@ -121,7 +121,7 @@ PICTURES = (
     figure(
         "faults",
         "All pairs of twelve thrusters stuck on at 200 s: isolated thrusters and times of isolation "
-        "(flow meters are an estimate).",
+        "(with flow meters, an estimate).",
         "runs/faults",
         "faults_stuck_on_0",
     ),

@@ -26,6 +26,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.timeline import NO_MILESTONE, milestone
 from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.fault import about
 
 #: Time from the start of a phase to the fault by default, s; most moments of a matrix.
 AFTER_S, _MOST = 1.0, 2000
@@ -74,9 +75,14 @@ def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParam
         raise ConfigError(choice.problems)
     groups = [
         FaultGroup(
-            kind=kind, component=component, names=names, moments=moments[kind], settings=choice.settings
+            kind=kind,
+            component=component,
+            names=names,
+            moments=moments[kind],
+            settings={**choice.settings, **({kind: size} if size else {})},
         )
         for kind, component, names in failing
+        for size in ([{}] if request.pairs else about(kind).sizes(component))
     ]
     return FaultMatrixParams(groups=groups, together=choice.together)
 

@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Collect
 from edl6dof.interface.effectors import ThrusterFailure
-from edl6dof.metrics.out_of_use import failed_thrusters
+from edl6dof.metrics.out_of_use import failed_instruments, failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
@@ -73,14 +73,17 @@ def isolations(flight: Flight) -> list[Isolation]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """Return the failures to isolate for a fault: its component, or every thruster that a dead branch feeds.
+    """Return the failures to isolate for a fault: its component, every thruster that a dead branch feeds, or
+    every beam of a dead radar.
 
     If the feed of all thrusters is weak, none need be isolated, but to isolate one as degraded is not wrong.
     """
     if fault.component in ("thruster", "branch"):
         return _thrusters(fault, truth)
-    said = None if fault.component in INSTRUMENTS else fault.kind
-    return [Failure(fault.component, fault.acts_on(truth.components), said)]
+    if fault.component in INSTRUMENTS:
+        failed = failed_instruments(fault, truth.components, truth.sensors.radar.radars)
+        return [Failure(component, name, None) for component, name in failed]
+    return [Failure(fault.component, fault.acts_on(truth.components), fault.kind)]
 
 
 def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:

@@ -145,7 +145,37 @@ def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
         if (some := [row for row in rows if row["kind"] == kind and _regime(row) == regime])
     ]
     whole = _counts(rows)
-    return {"all": whole, "groups": groups, "acceptance": _acceptance(rows, whole)}
+    undetected = _undetected(rows)
+    return {"all": whole, "groups": groups, "undetected": undetected, "acceptance": _acceptance(rows, whole)}
+
+
+#: Figures of a flight whose largest value is the effect of the faults that were not detected.
+EFFECTS = ("touchdown_nav_velocity_m_s", "touchdown_nav_height_m", "touchdown_nav_vertical_deg")
+
+
+def _undetected(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Of each kind of fault and swept parameter: number of flights in which the fault could be known, and in
+    which no failed component was named; the largest size of these, how many of them are not within limits,
+    and the largest magnitudes of ``EFFECTS`` in them.
+    """
+    swept: dict[tuple[str, str], list[tuple[float, Row]]] = {}
+    for row in filter(can_be_known, rows):
+        parameter, _, size = (row.get("size") or "").partition("=")
+        if parameter:
+            swept.setdefault((row["kind"], parameter), []).append((float(size), row))
+    found = []
+    for (kind, parameter), flown in swept.items():
+        missed = [(size, row) for size, row in flown if not row["name_right"]]
+        effects = {
+            name: max((abs(row[name]) for _, row in missed if row.get(name) is not None), default=None)
+            for name in EFFECTS
+        }
+        found.append({
+            "kind": kind, "parameter": parameter, "flights": len(flown), "undetected": len(missed),
+            "largest": max((size for size, _ in missed), default=None),
+            "not_within_limits": sum(not row["success"] for _, row in missed), **effects,
+        })  # fmt: skip
+    return found
 
 
 def _regime(row: Row) -> str:

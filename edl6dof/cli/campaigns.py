@@ -140,7 +140,8 @@ def faults(
         argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
+        bool,
+        flag("Faults of every instrument instead of thrusters.", "--sensors"),
     ] = False,
     kinds: Annotated[
         str,

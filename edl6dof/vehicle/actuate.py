@@ -98,8 +98,8 @@ def clear_effects(plant):
     clear_readings(instruments.range)
     clear_readings(instruments.speed)
     clear_readings(instruments.flow)
-    instruments.star_tracker_lost = instruments.camera_lost = instruments.lidar_lost = 0
-    instruments.stereo_lost = instruments.mirror_stuck = 0
+    clear_readings(instruments.stars)
+    instruments.camera_lost = instruments.lidar_lost = instruments.stereo_lost = instruments.mirror_stuck = 0
 
 
 @kernel

@@ -258,11 +258,14 @@ class Cell:
 def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
     """Yield the cells of a fault matrix: for each group its moments, for each moment its components."""
     for group in matrix.groups:
+        sizes = group.settings.get(group.kind, {})
+        size = ", ".join(f"{name}={value:g}" for name, value in sizes.items() if value != 0.0)
         for moment in group.moments:
             at = moment.at.model_dump(exclude_none=True)
             for names in combinations(group.names, matrix.together):
                 faults = tuple(_fault(group, name, at) for name in names)
-                yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
+                label = {"component": AND.join(names), "kind": group.kind, "moment": moment.name}
+                yield Cell(faults, {**label, "size": size} if size else label)
 
 
 def _fault(group: FaultGroup, name: str, at: dict[str, Any]) -> dict[str, Any]:
