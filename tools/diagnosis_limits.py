@@ -20,7 +20,8 @@ from edl6dof.campaign.executor import Row, fly_rows
 from edl6dof.config.units import G0
 from edl6dof.sensors.inertial_unit import InertialUnitParams
 
-WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
+#: Instruments of ``tianwen1_meters``.
+METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters]",)
 UNIT = "sensors.inertial_unit"
 HEAD = (
     "factor",
@@ -100,7 +101,7 @@ def main() -> None:
     parser.add_argument("--only", action="append", choices=tuple(VARIED), help="this alone")
     parser.add_argument("--with-meters", action="store_true", help="flow meters fly too")
     options = parser.parse_args()
-    instruments = () if options.with_meters else WITHOUT_METERS
+    instruments = METERS if options.with_meters else ()
     for title, overrides in (VARIED[name] for name in options.only or VARIED):
         print(f"{title}:\n\n| {' | '.join(HEAD)} |\n{'|---' * len(HEAD)}|", flush=True)
         for factor in map(float, options.factors.split(",")):

@@ -3,8 +3,7 @@
 #
 # Thruster D7, one of eight that rotate the hovering lander, fails 2 s after hazard avoidance has begun. The
 # flight computer has no direct information about the failure. It detects that the lander does not rotate as
-# commanded, and isolates the thruster that causes the difference. The flow meters of `tianwen1`, which
-# are an engineering estimate, contribute to the isolation.
+# commanded, and isolates the thruster that causes the difference.
 
 # %%
 import matplotlib.pyplot as plt

@@ -6,11 +6,12 @@ software needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from itertools import count
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.arguments import Overrides, extends_name, named, naming_arguments, texts
 
@@ -410,6 +411,7 @@ def faults(
     at: str | float | Iterable[str | float] | None = None,
     phases: str | Iterable[str] = (),
     after_s: float | None = None,
+    settings: Mapping[str, Any] | None = None,
     vehicles: int | None = None,
     seed: int | None = None,
     workers: int | None = None,
@@ -429,6 +431,7 @@ def faults(
         at: moments: times in s, ``"every 10 s"``, or events of the nominal flight.
         phases: phases at whose start the faults begin, instead of ``at``.
         after_s: time from the start of the phase to the fault, s.
+        settings: other keys of each fault, such as ``{"duration_s": 20.0}``.
         vehicles: number of dispersed vehicles for each fault; by default the nominal one.
         seed: seed of their dispersions.
         workers: number of threads; by default all cores.
@@ -447,7 +450,9 @@ def faults(
 
     what, where, when = listed(kinds), listed(components), listed(phases)
     moments = None if at is None else listed(at)
-    request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
+    request = FaultRequest(
+        sensors, what, where, pairs, phases=when, after_s=after_s, at=moments, settings=dumps(settings or {})
+    )
     plan = faults_plan(name, sets, request, vehicles, seed)
     job = Job(Store(Path(out or "")), EngineChoice(workers=workers), plan, force=force)
     return job.result(progress, in_memory=out is None)

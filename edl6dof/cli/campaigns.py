@@ -140,7 +140,8 @@ def faults(
         argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
+        bool,
+        flag("Faults of every instrument instead of thrusters.", "--sensors"),
     ] = False,
     kinds: Annotated[
         str,
@@ -171,6 +172,10 @@ def faults(
     after: Annotated[
         float | None, option("S", "Time from the start of the phase to the fault; 1 s if not given.")
     ] = None,
+    settings: Annotated[
+        str,
+        option("YAML", "Other keys of each fault, as under faults:, such as '{duration_s: 20}'.", "--with"),
+    ] = "",
     sets: Sets = None,
     vehicles: Annotated[
         int | None,
@@ -202,7 +207,9 @@ def faults(
         from edl6dof.cli.campaign_flight import fly_campaign
 
         engine = api.EngineChoice(workers=workers)
-        request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
+        request = FaultRequest(
+            sensors, kinds, components, pairs, phases=phases, after_s=after, at=at, settings=settings
+        )
         if resume and api.is_campaign(scenario):
             api.require_no_values(scenario, *request, sets, vehicles, seed)
             job = api.Job(Store(Path(scenario)), engine)

@@ -234,10 +234,10 @@ def test_the_guard_leaves_sound_flights_alone_in_a_wind_that_is_not_expected(nor
         *(pytest.param(name, 270, marks=pytest.mark.long) for name in ("D1", "D5", "P3", "P4")),
     ],
 )
-def test_a_leak_that_diagnosis_stops_does_not_call_the_guard(thruster, time_s):
+def test_a_leak_that_meters_show_at_once_does_not_call_the_guard(thruster, time_s):
     """Its branch is shut before the smoothed direction of the force shows it; the wind is unexpected."""
     flight = edl6dof.fly(
-        "tianwen1",
+        "tianwen1_meters",
         [
             f"faults=[{{kind: stuck_on, thruster: {thruster}, at: {{time_s: {time_s}}}}}]",
             "wind={model: constant, constant: {east_m_s: -45}}",

@@ -1,4 +1,6 @@
-"""Verifies: a flow meter that fails costs no thruster, and a dead branch is not taken for one."""
+"""Verifies: a flow meter that fails costs no thruster, and a dead branch is not taken for one. All flights
+carry flow meters.
+"""
 
 import pytest
 
@@ -10,7 +12,7 @@ THRUSTERS = {"A13": {"A1", "A3"}, "P34": {"P3", "P4"}, "F56": {"F5", "F6"}, "F34
 def fly(component, kind, branch, phase, seed=1):
     """A flight in which a branch or its meter fails one second into a phase."""
     fault = f"{{kind: {kind}, {component}: {branch}, at: {{phase: {phase}, plus_s: 1}}}}"
-    return edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.log_every=50", f"seed={seed}"])
+    return edl6dof.fly("tianwen1_meters", [f"faults=[{fault}]", "simulation.log_every=50", f"seed={seed}"])
 
 
 def meters(flight):
@@ -46,6 +48,6 @@ def test_a_failed_meter_is_named_and_costs_no_thruster(kind, branch, phase, seed
 def test_half_a_thruster_lost_within_a_pulse_is_no_failed_meter():
     """The first reading shows a quarter lost, and the next are taken with another thruster of the branch."""
     fault = "{kind: degraded, thruster: D2, at: {time_s: 180}}"
-    flight = edl6dof.fly("tianwen1", [f"faults=[{fault}]", "simulation.time_limit_s=185"])
+    flight = edl6dof.fly("tianwen1_meters", [f"faults=[{fault}]", "simulation.time_limit_s=185"])
     assert meters(flight) == set()
     assert [one.thruster for one in flight.isolated_faults] == ["D2"]

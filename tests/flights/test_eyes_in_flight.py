@@ -16,7 +16,7 @@ from edl6dof.vehicle.plant import ATTITUDE, OUTPUTS
 from edl6dof.vehicle.surroundings import planet_rotation
 
 ROCKY = ["terrain.landing_area.rock_abundance=0.1"]
-READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters"
+READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches"
 
 
 @pytest.fixture(scope="module")

@@ -16,8 +16,8 @@ from edl6dof.campaign.executor import fly_rows
 
 TOOL = Path(__file__).resolve().parents[2] / "tools" / "fault_figures.py"
 FLIGHTS = 6
-#: Real instruments, without flow meters.
-WITHOUT_METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches]",)
+#: Instruments of ``tianwen1_meters``.
+METERS = ("sensors.carried=[inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters]",)
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,13 @@ def tool():
 
 @pytest.fixture(scope="module")
 def plan():
+    """Flights by force and torque alone, without flow meters."""
     return load_plan("tianwen1_mc", cases=FLIGHTS)
+
+
+@pytest.fixture(scope="module")
+def metered():
+    return load_plan("tianwen1_mc", METERS, cases=FLIGHTS)
 
 
 def flown(tool, plan, cases):
@@ -46,8 +52,8 @@ def often(rows, true):
     return sum(bool(true(row)) for row in rows) >= fewest(len(rows), 0.95)
 
 
-def test_dead_horizontal_thruster_is_named_and_the_flights_land(tool, plan):
-    begun = flown(tool, plan, tool.dispersed(plan, 7, "stuck_off"))
+def test_dead_horizontal_thruster_is_named_and_the_flights_land_with_meters(tool, metered):
+    begun = flown(tool, metered, tool.dispersed(metered, 7, "stuck_off"))
     assert often(begun, lambda row: row["name_right"])
     # how far from the site is a matter of the dispersed entry
     assert often(begun, lambda row: row["outcome"].startswith("landed"))
@@ -56,12 +62,12 @@ def test_dead_horizontal_thruster_is_named_and_the_flights_land(tool, plan):
 
 
 @pytest.mark.long  # of the suite: test_faults_in_flight.py
-def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan):
+def test_stuck_thruster_is_named_at_any_moment_of_any_flight_with_meters(tool, metered):
     """Thruster, moment, winds, vehicle and direction of the divert are drawn for each flight."""
     begun = [
         row
         for seed in (7, 11, 13)
-        for row in flown(tool, plan, tool.dispersed(plan, seed, "stuck_on", tool.STRONG))
+        for row in flown(tool, metered, tool.dispersed(metered, seed, "stuck_on", tool.STRONG))
     ]
     assert often(begun, lambda row: row["name_right"])
     assert often(begun, lambda row: row["outcome"].startswith("landed"))
@@ -69,43 +75,35 @@ def test_stuck_thruster_is_named_at_any_moment_of_any_flight(tool, plan):
 
 
 @pytest.mark.long
-def test_no_thruster_is_isolated_without_a_fault(tool, plan):
-    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
+def test_no_thruster_is_isolated_without_a_fault_with_meters(tool, metered):
+    rows = list(fly_rows(metered.loaded, tool.dispersed(metered, 7, None), collect=tool.isolated))
     assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
-
-
-@pytest.fixture(scope="module")
-def without_meters():
-    return load_plan("tianwen1_mc", WITHOUT_METERS, cases=FLIGHTS)
 
 
 @pytest.mark.parametrize(
     ("kind", "which"),
     [("stuck_off", "HORIZONTAL"), pytest.param("stuck_on", "STRONG", marks=pytest.mark.long)],
 )
-def test_thruster_is_named_by_force_and_torque_where_there_are_no_meters(tool, without_meters, kind, which):
+def test_thruster_is_named_by_force_and_torque(tool, plan, kind, which):
     """With the noise of the inertial unit, its lever arm, and vibration with the engine; a dead thruster may
     pass for a weak one.
     """
-    cases = tool.dispersed(without_meters, 7, kind, getattr(tool, which))
-    begun = flown(tool, without_meters, cases)
+    begun = flown(tool, plan, tool.dispersed(plan, 7, kind, getattr(tool, which)))
     assert often(begun, lambda row: row["name_right"])
     assert often(begun, lambda row: row["outcome"].startswith("landed"))
     assert often(begun, lambda row: not row["sound_named"])
     assert np.median([row["isolation_s"] for row in begun if row["name_right"]]) < 1.5
 
 
-def test_force_and_torque_feign_no_fault_where_there_are_no_meters(tool, without_meters):
-    rows = list(
-        fly_rows(without_meters.loaded, tool.dispersed(without_meters, 7, None), collect=tool.isolated)
-    )
+def test_force_and_torque_feign_no_fault(tool, plan):
+    rows = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, None), collect=tool.isolated))
     assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
 
 
 def test_a_tone_of_any_strength_hides_no_fault_from_force_and_torque(tool):
     """It is predicted, and so removed from the residual."""
     unit = "sensors.inertial_unit.vibration"
-    tone = (*WITHOUT_METERS, f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
+    tone = (f"{unit}.acceleration_m_s2=9.0", f"{unit}.rate_deg_s=0.6")
     plan = load_plan("tianwen1_mc", tone, cases=FLIGHTS)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     assert often(dead, lambda row: row["name_right"])
@@ -117,7 +115,7 @@ def test_vibration_too_strong_hides_a_fault_from_force_and_torque_and_feigns_non
     predicted; a random vibration cannot.
     """
     unit = "sensors.inertial_unit.vibration.random"
-    strong = (*WITHOUT_METERS, f"{unit}.acceleration_g0=2.2", f"{unit}.rate_deg_s=1.4")
+    strong = (f"{unit}.acceleration_g0=2.2", f"{unit}.rate_deg_s=1.4")
     plan = load_plan("tianwen1_mc", strong, cases=FLIGHTS)
     dead = list(fly_rows(plan.loaded, tool.dispersed(plan, 7, "stuck_off"), collect=tool.isolated))
     assert often(dead, lambda row: not row["name_right"])

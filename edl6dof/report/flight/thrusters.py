@@ -181,12 +181,13 @@ def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
 
 def branch_use(run: Run) -> Iterator[Table]:
     """Tabulate the propellant of each branch and the count of its meter, if the run has meters."""
+    branches = {name: jets for name, jets in thrusters_of(run).items() if f"metered.{name}_kg" in run}
+    kinds = ["used", "metered"] if has_signal(run, *(f"metered.{name}_kg" for name in branches)) else ["used"]
     rows = [
-        [name, ", ".join(jets), *(f"{run[f'{kind}.{name}_kg'][-1]:.3f}" for kind in ("used", "metered"))]
-        for name, jets in thrusters_of(run).items()
-        if f"metered.{name}_kg" in run
+        [name, ", ".join(jets), *(f"{run[f'{kind}.{name}_kg'][-1]:.3f}" for kind in kinds)]
+        for name, jets in branches.items()
     ]
-    columns = ["branch", "thrusters", "propellant (kg)>", "metered (kg)>"]
+    columns = ["branch", "thrusters", "propellant (kg)>", "metered (kg)>"][: 2 + len(kinds)]
     if rows:
         yield Table(columns, rows, "Propellant branches, each behind one latch valve")
 
@@ -206,7 +207,7 @@ def mean_flow(t: np.ndarray, counted: np.ndarray) -> np.ndarray:
 
 
 def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
-    """Draw the commanded (if known), the true and the metered flow of one branch."""
+    """Draw the commanded and metered flow of one branch, as far as known, and the true flow."""
     t, expected = run.t[rows], run[f"expected.{branch}_kg_s"]
     counts = [
         ("commanded", np.cumsum(expected * np.diff(run.t, prepend=run.t[0])), GREY),
@@ -215,7 +216,8 @@ def flow_panel(run: Run, branch: str, rows: np.ndarray) -> Panel:
     ]
     traces = [
         Trace(t, 1e3 * mean_flow(run.t, counted)[rows], name, colour=colour)
-        for name, counted, colour in counts[0 if np.any(expected) else 1 :]
+        for name, counted, colour in counts
+        if name == "true" or np.any(counted)
     ]
     jets = thrusters_of(run)[branch]
     largest = max(

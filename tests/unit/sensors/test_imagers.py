@@ -17,7 +17,7 @@ from edl6dof.vehicle.mass import CONFIG_BACKSHELL, CONFIG_CAPSULE
 IMAGERS = ("landing_camera", "lidar", "stereo")
 GROUND = area()
 #: What the flight computer of Tianwen-1 needs, and the imagers.
-READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches, flow_meters"
+READINGS = "inertial_unit, star_tracker, ground_tracking, radar, switches"
 CARRIED = f"sensors.carried=[{READINGS}, landing_camera, lidar, stereo]"
 
 
