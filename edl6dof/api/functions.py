@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
+    from edl6dof.campaign.margins import AxisMargins
+    from edl6dof.campaign.margins import Progress as MarginsProgress
     from edl6dof.campaign.rare import Progress as RareProgress
     from edl6dof.campaign.rare import RareFailure
     from edl6dof.report.campaign.assurance import Assurance
@@ -238,6 +240,45 @@ def rare(
     request = rare.Request(plan, rare.chosen(known, requirement), size, populations)
     store = rare.RareStore(Path(out))
     return rare.fly(request, store, workers=workers, resume=resume, force=force, progress=progress)
+
+
+@naming_arguments(n="vehicles", measured="measure")
+def margins(
+    scenario: str | Path | Scenario,
+    overrides: Overrides = (),
+    *,
+    phases: Sequence[str] = (),
+    moments: int = 3,
+    vehicles: int = 0,
+    seed: int | None = None,
+    measure: bool = False,
+    progress: MarginsProgress | None = None,
+) -> list[AxisMargins]:
+    """Compute margins and limit cycles of the attitude loops, as ``edl6dof margins`` does; return a row for
+    each phase that is flown and each axis.
+
+    Args:
+        scenario: scenario file or name; with ``vehicles`` a campaign.
+        overrides: changes of the scenario, as for :func:`load`.
+        phases: names of the phases; by default all with attitude control.
+        moments: number of moments of each phase.
+        vehicles: number of dispersed vehicles, instead of the scenario itself.
+        seed: seed of the dispersions; by default that of the campaign.
+        measure: True to measure margins as well, by pushes of a frozen flight.
+        progress: called with the number of moments analysed, and with their number.
+
+    Raises:
+        ConfigError: the scenario has no attitude control, no such phase, or no dispersions.
+    """
+    name, sets = named(scenario, overrides)
+    activate(name)
+    from edl6dof.campaign import margins as analysis
+    from edl6dof.campaign.design.plan import load_plan
+    from edl6dof.scenario.loading import load_scenario
+
+    request = analysis.Request(tuple(phases), moments, vehicles, measure)
+    plan = load_plan(name, sets, seed=seed) if vehicles else None
+    return analysis.analyse(plan.loaded if plan else load_scenario(name, sets), request, plan, progress)
 
 
 @naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})
