@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os.path import lexists
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import sleep
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from edl6dof.api.flight import REPLAY, RecordedFlight
-from edl6dof.api.flight import Flight as FlownFlight
 from edl6dof.api.progress import count_runs
-from edl6dof.api.simulation import Simulation
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.campaign.run import resumed_plan
@@ -25,13 +22,11 @@ from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.replay import browser, viewer
 from edl6dof.replay.history import thin, vector
-from edl6dof.replay.live import Live
 from edl6dof.replay.pages import TITLES, TOUR
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.tracks import Ensemble, Trajectory
 from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
 from edl6dof.runs.run import Run
-from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import Flight, fly
 
 #: Flight of a campaign that is followed if none is named.
@@ -43,8 +38,6 @@ NOMINAL = (
 MOST_CASES, RATE_HZ = 2000, 0.5
 #: Frames of a film per second by default.
 FPS = 24.0
-#: Time (s) between two updates of a flight that is shown while it is flown.
-_LIVE_S = 0.5
 
 
 class Film(NamedTuple):
@@ -101,7 +94,7 @@ def show_replay(
     if video.file is not None:
         viewer.encoder()  # or the flight would be drawn in vain
     bare = html is None and (video.file is not None or (screenshot is not None and page == TOUR))
-    with _ended_by_signals(), _recording(runs, page, bare) as recording:
+    with ended_by_signals(), _recording(runs, page, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
@@ -121,61 +114,7 @@ def show_replay(
 
 
 @contextmanager
-def live(simulation: Simulation) -> Iterator[Callable[[], None]]:
-    """Show a flight in the desktop viewer while it is flown; yield the function that shows what has been
-    flown since its last call.  After the block, wait until the window is closed.
-
-    >>> simulation = edl6dof.Simulation("tianwen1")
-    >>> with edl6dof.live(simulation) as show:
-    ...     while simulation.step(cycles=50):
-    ...         show()
-
-    Raises:
-        NoViewer: there is no display, or no graphics to draw with.
-        ViewerFailed: the viewer ended with an error.
-    """
-    import rerun as rr
-
-    port, stream = viewer.free_port(), rr.RecordingStream("edl6dof")
-    shown = Live(stream, fly(simulation.loaded))
-    with _ended_by_signals(), viewer.running("--port", str(port)) as program:
-        program.wait_for(port)
-        stream.connect_grpc(f"rerun+http://{viewer.HOST}:{port}/proxy", default_blueprint=shown.blueprint)
-
-        def show() -> None:
-            with program.asked():
-                shown.update(simulation.flight())
-
-        yield show
-        show()
-        program.wait()
-
-
-def fly_live(loaded: LoadedScenario, pace: float) -> FlownFlight:
-    """Fly a scenario in the viewer, ``pace`` seconds of flight in a second, and return the flight.  If the
-    window is closed, it goes on without pauses.
-
-    Raises:
-        ViewerFailed: the viewer has not shown the flight at all.
-    """
-    simulation, seen = Simulation(loaded), False
-    cycles = max(round(pace * _LIVE_S / simulation.cycle_s), 1)
-    try:
-        with live(simulation) as show:
-            while simulation.step(cycles=cycles):
-                show()
-                seen = True
-                sleep(_LIVE_S)
-    except viewer.ViewerFailed:
-        if not seen:
-            raise
-        while simulation.step(cycles=cycles):
-            pass
-    return simulation.flight()
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
+def ended_by_signals() -> Iterator[None]:
     """Let SIGTERM and SIGHUP end the work like Ctrl-C, without a viewer or a temporary file left over."""
 
     def interrupt(*_: object) -> None:

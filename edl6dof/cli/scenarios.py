@@ -81,7 +81,7 @@ def fly(
 
     def flown() -> Flight:
         if live:
-            from edl6dof.api.replays import fly_live
+            from edl6dof.api.live import fly_live
 
             return fly_live(loaded, pace)
         with flight_progress(talk) as progress:

@@ -12,6 +12,7 @@ from edl6dof.interface.capacities import (
 from edl6dof.interface.effectors import ENGINE_FULL
 from edl6dof.kernels import kernel
 from edl6dof.spatial.random_numbers import uniform
+from edl6dof.spatial.table_index import endless_cell
 from edl6dof.vehicle.motion.point_mass import POINT_MASS, command_bank
 from edl6dof.vehicle.plant import NOT_BEGUN, WORKING
 
@@ -63,7 +64,7 @@ def is_present(fault, age):
     """
     if age >= fault.duration - 1e-9:
         return False
-    interval = int(age / fault.params.interval + 1e-9)
+    interval = endless_cell(age / fault.params.interval + 1e-9)
     return interval == 0 or uniform(fault.key, interval) < fault.params.presence
 
 

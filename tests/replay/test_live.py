@@ -10,7 +10,7 @@ import rerun as rr
 from rerun.chunk import RrdReader
 
 import edl6dof
-from edl6dof.api import replays
+from edl6dof.api import live
 from edl6dof.cli.group import UNAVAILABLE
 from edl6dof.cli.scenarios import fly
 from edl6dof.config.errors import ConfigError
@@ -48,15 +48,15 @@ def recordings(tmp_path_factory):
 
 
 def test_viewer_gets_every_entity_of_the_replay(recordings):
-    live, whole = map(rows, recordings)
-    assert set(live) == set(whole) - {"/__properties"}
+    shown, whole = map(rows, recordings)
+    assert set(shown) == set(whole) - {"/__properties"}
 
 
 def test_poses_are_sent_once(recordings):
     """Each update ends with the last row of the flight so far, which the replay may leave out."""
-    live, whole = map(rows, recordings)
+    shown, whole = map(rows, recordings)
     for entity in ("/site/vehicle", "/site/camera"):
-        assert whole[entity] <= live[entity] <= whole[entity] + 5, entity
+        assert whole[entity] <= shown[entity] <= whole[entity] + 5, entity
 
 
 def test_timeless_entities_are_sent_again_only_when_they_change(recordings):
@@ -84,10 +84,10 @@ def test_a_flight_in_the_viewer_is_the_same_flight(monkeypatch):
     running = viewer.running
     monkeypatch.setattr(viewer, "running", lambda *options: running("--headless", *options))
     monkeypatch.setattr(viewer.Program, "wait", lambda program: None)
-    monkeypatch.setattr(replays, "sleep", lambda seconds: None)
+    monkeypatch.setattr(live, "sleep", lambda seconds: None)
     loaded = edl6dof.load("tianwen1", SHORT)
     try:
-        flight = replays.fly_live(loaded, pace=10.0)
+        flight = live.fly_live(loaded, pace=10.0)
     except viewer.NoViewer as error:
         pytest.skip(str(error))
     assert flight.telemetry["t_s"][-1] == pytest.approx(20.0)
@@ -106,7 +106,7 @@ def test_a_flight_goes_on_when_its_window_is_closed(monkeypatch):
 
         yield show
 
-    monkeypatch.setattr(replays, "live", closing)
-    monkeypatch.setattr(replays, "sleep", lambda seconds: None)
-    flight = replays.fly_live(edl6dof.load("tianwen1", SHORT), pace=10.0)
+    monkeypatch.setattr(live, "live", closing)
+    monkeypatch.setattr(live, "sleep", lambda seconds: None)
+    flight = live.fly_live(edl6dof.load("tianwen1", SHORT), pace=10.0)
     assert len(shown) == 2 and flight.telemetry["t_s"][-1] == pytest.approx(20.0)

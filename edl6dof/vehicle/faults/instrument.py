@@ -42,19 +42,18 @@ READINGS: dict[Component, tuple[str, ...]] = {
 class SizedFault(ReadingFault):
     """Parameters of a fault of one reading by some amount."""
 
-    #: Sizes of a sweep for each factor of ten, and their number.
-    per_decade: ClassVar[int] = 3
-    swept: ClassVar[int] = 7
+    #: Sizes of a sweep over the default value: three for each factor of ten.
+    swept: ClassVar[tuple[float, ...]] = (1.0, 0.464, 0.215, 0.1, 0.0464, 0.0215, 0.01)
 
     @classmethod
     def sizes(cls, component: Component) -> list[dict[str, float]]:
-        """Values of each size in turn, the others zero: the default and smaller ones, in equal ratios."""
+        """Values of each parameter of a reading in turn, the others zero."""
         first = {name: field.default for name, field in cls.model_fields.items()
                  if name.split("_")[0] in READINGS[component]}  # fmt: skip
         return [
-            {**dict.fromkeys(first, 0.0), name: float(f"{value * 10.0 ** (-k / cls.per_decade):.3g}")}
+            {**dict.fromkeys(first, 0.0), name: float(f"{share * value:.3g}")}
             for name, value in first.items()
-            for k in range(cls.swept)
+            for share in cls.swept
         ]
 
 

@@ -168,7 +168,7 @@ def test_a_dead_radar_has_no_echo_on_any_of_its_beams_and_the_other_radar_has():
         {"name": name, "axis": (0.8, 0.6 * y, 0.6 * z), "radar": number}
         for name, y, z, number in (("a", 1, 0, 1), ("b", 0, 1, 2), ("c", -1, 0, 2), ("d", 0, -1, 1))
     ]
-    fault = "radar: r2, kind: reading_outage, reading_outage: {duration_s: 0.4}"
+    fault = "radar: r2, kind: reading_outage, duration_s: 0.4"
     sets = [f"sensors.radar.beams={json.dumps(beams)}"]
     locked = faulty(radar(1000.0, beams=beams), fault, sets=sets)["radar"]["locked"]
     assert locked[:51, :4].all() and locked[51:71, [0, 3]].all() and locked[71:, :4].all()
