@@ -29,6 +29,7 @@ from edl6dof.api.functions import (
     faults,
     fly,
     load,
+    margins,
     open_run,
     rare,
     refly,
@@ -40,6 +41,7 @@ from edl6dof.api.functions import (
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult
     from edl6dof.api.flight import Flight, RecordedFlight
+    from edl6dof.api.live import live
     from edl6dof.api.scenario import Scenario, Vehicle
     from edl6dof.api.simulation import Simulation
     from edl6dof.campaign.design.case import Case
@@ -66,7 +68,9 @@ __all__ = [
     "faults",
     "fly",
     "fly_rows",
+    "live",
     "load",
+    "margins",
     "open_run",
     "rare",
     "refly",
@@ -88,6 +92,7 @@ _MODULES = {
     "State": "edl6dof.sim.checkpoint",
     "Vehicle": "edl6dof.api.scenario",
     "fly_rows": "edl6dof.campaign.executor",
+    "live": "edl6dof.api.live",
 }
 
 for _function in (

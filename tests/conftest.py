@@ -20,7 +20,7 @@ import edl6dof
 #: longest first: begun last, one would run alone while the other processes have nothing left to do.
 FIRST = (
     *("test_members_write_their_own.py", "test_world_families.py"),
-    *("test_plugins.py", "test_files_of_failed_flights.py", "test_bank_in_wind.py", "test_damaged_runs.py"),
+    *("test_plugins.py", "test_files_of_failed_flights.py", "test_bank_travel.py", "test_damaged_runs.py"),
     *("test_error_state_consistency.py", "test_bounds_check.py", "test_rigid_landing.py"),
     *("test_campaign_kills.py", "test_campaign_damage.py", "test_dask.py"),
     *("test_nothing_is_lost.py", "test_attack.py", "test_report_rendered.py", "test_rendered.py"),

@@ -8,13 +8,16 @@ being; ``--only NAME,NAME`` draws some pictures again and keeps the others.  It 
 from __future__ import annotations
 
 import argparse
+import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+from doc_results import flights_hash
 from PIL import Image
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -127,6 +130,21 @@ PICTURES = (
 )
 
 
+def depends_on(picture: Picture) -> str:
+    """Golden flights of a picture, and the folder of the package that draws it."""
+    flown = (FLIGHTS[run].split()[1] for run in picture.flights)
+    drawing = "replay" if picture.command.startswith("replay") else "report"
+    return ", ".join(dict.fromkeys([*flown, drawing]))
+
+
+def remark(picture: Picture, page: str, drawn: bool) -> str:
+    """Remark of a picture on the page, which dates it (:mod:`doc_results`): now, or as on the last page."""
+    command, needs = f"python tools/gallery.py --only {picture.name}", depends_on(picture)
+    found = re.search(rf"`{re.escape(command)}` on .* ([0-9a-f]{{8}}) -->", page)
+    date = flights_hash(needs) if drawn else found[1] if found else "0" * 8
+    return f"<!-- drawn by `{command}` on {needs} {date} -->\n"
+
+
 def make(pictures: tuple[Picture, ...], folder: Path) -> None:
     """Fly and draw in a folder, and keep the pictures."""
     for run in dict.fromkeys(run for picture in pictures for run in picture.flights):
@@ -153,8 +171,8 @@ def kept(picture: Picture) -> Path:
     return DOCS / "gallery" / f"{picture.name}.webp"
 
 
-def text() -> str:
-    """The page."""
+def text(page: str, drawn: Sequence[str]) -> str:
+    """The page; ``page``: as it was before the pictures named ``drawn`` were made."""
     parts = [
         "# Gallery\n",
         "Each picture shows a simulated flight, with the commands that made it. `python tools/gallery.py`",
@@ -166,8 +184,9 @@ def text() -> str:
         commands = [*(FLIGHTS[run] for run in picture.flights), picture.command]
         lines = "\n".join(f"edl6dof {command}" for command in commands)
         outside = "".join(f"{OUTSIDE_LIMITS[run]}\n" for run in picture.flights if run in OUTSIDE_LIMITS)
+        dated = remark(picture, page, picture.name in drawn)
         parts.append(
-            f"## {picture.shows.rstrip('.')}\n\n![{picture.shows}](gallery/{picture.name}.webp)\n\n"
+            f"## {picture.shows.rstrip('.')}\n\n{dated}![{picture.shows}](gallery/{picture.name}.webp)\n\n"
             f"{outside}```sh\n{lines}\n```\n"
         )
     return "\n".join(parts)
@@ -184,7 +203,8 @@ def main() -> None:
     (DOCS / "gallery").mkdir(exist_ok=True)
     with TemporaryDirectory(prefix="edl6dof-") as folder:
         make(tuple(picture for picture in PICTURES if picture.name in names), Path(folder))
-    (DOCS / "gallery.md").write_text(text(), encoding="utf-8")
+    page = DOCS / "gallery.md"
+    page.write_text(text(page.read_text(encoding="utf-8"), names), encoding="utf-8")
 
 
 if __name__ == "__main__":

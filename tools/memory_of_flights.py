@@ -2,15 +2,18 @@
 
     python tools/memory_of_flights.py 10000            # in a campaign, on all cores
     python tools/memory_of_flights.py 1000 --one-by-one  # each with edl6dof.fly
+    python tools/memory_of_flights.py 10000 --engine dask --set simulation.time_limit_s=1  # short flights
 
-Prints resident memory (MB) as flights go by, and its slope over the second half (kB a flight, least squares).
+Prints resident memory (MB) as flights go by, of this process and of the largest process that it has started
+(the workers of Dask), and its slope over the second half (kB a flight, least squares).
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,19 +24,32 @@ import edl6dof
 PERIOD_S = 0.25
 
 
-def resident_mb() -> float:
-    """Memory of this process that is in use now (Linux)."""
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
+def resident_mb(process: int | str = "self") -> float:
+    """Memory of a process that is in use now (Linux); 0 if it has ended."""
+    try:
+        pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
+    except OSError:
+        return 0.0
     return pages * 4096 / 1e6
 
 
-def measured(work: Callable[[Callable[[int], None]], None]) -> list[tuple[int, float]]:
-    """Flights done and memory (MB), sampled while some work tells how many flights it has done."""
+def children(process: int) -> list[int]:
+    """Numbers of all processes that a process, or one of these, has started."""
+    own = Path(f"/proc/{process}/task").glob("*/children")
+    found = [int(one) for file in own for one in file.read_text().split()]
+    return found + [one for child in found for one in children(child)]
+
+
+def measured(work: Callable[[Callable[[int], None]], None]) -> list[tuple[int, float, float]]:
+    """Flights done, memory (MB) of this process and of the largest that it has started, sampled while some
+    work tells how many flights it has done.
+    """
     done, samples, over = [0], [], threading.Event()
 
     def sample() -> None:
         while not over.wait(PERIOD_S):
-            samples.append((done[0], resident_mb()))
+            largest = max(map(resident_mb, children(os.getpid())), default=0.0)
+            samples.append((done[0], resident_mb(), largest))
 
     sampler = threading.Thread(target=sample)
     sampler.start()
@@ -45,14 +61,16 @@ def measured(work: Callable[[Callable[[int], None]], None]) -> list[tuple[int, f
     return samples
 
 
-def in_a_campaign(flights: int) -> Callable[[Callable[[int], None]], None]:
+def in_a_campaign(flights: int, engine: str, sets: Sequence[str]) -> Callable[[Callable[[int], None]], None]:
     """Dispersed flights of one campaign."""
 
     def work(tell: Callable[[int], None]) -> None:
         with TemporaryDirectory() as folder:
             edl6dof.campaign(
                 "tianwen1_mc",
+                sets,
                 cases=flights,
+                engine=engine,
                 out=Path(folder) / "out",
                 progress=lambda done, total: tell(done),
             )
@@ -76,15 +94,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Memory of many flights in one process.")
     parser.add_argument("flights", type=int)
     parser.add_argument("--one-by-one", action="store_true")
+    parser.add_argument("--engine", choices=("threads", "dask"), default="threads")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
     options = parser.parse_args()
-    chosen = one_by_one if options.one_by_one else in_a_campaign
-    samples = np.array(measured(chosen(options.flights)))
+    campaign = in_a_campaign(options.flights, options.engine, options.set)
+    samples = np.array(measured(one_by_one(options.flights) if options.one_by_one else campaign))
     for share in (0.1, 0.25, 0.5, 0.75, 1.0):
-        count, memory = samples[np.searchsorted(samples[:, 0], share * options.flights, "right") - 1]
-        print(f"after {count:6.0f} flights: {memory:6.0f} MB")
+        count, own, largest = samples[np.searchsorted(samples[:, 0], share * options.flights, "right") - 1]
+        print(f"after {count:6.0f} flights: {own:6.0f} MB, {largest:6.0f} MB")
     late = samples[samples[:, 0] >= 0.5 * options.flights]
-    slope = 1e3 * np.polyfit(late[:, 0], late[:, 1], 1)[0]
-    print(f"slope of the second half: {slope:.2f} kB a flight")
+    slopes = [1e3 * np.polyfit(late[:, 0], late[:, k], 1)[0] for k in (1, 2)]
+    print(f"slope of the second half: {slopes[0]:.2f} kB a flight, {slopes[1]:.2f} kB")
 
 
 if __name__ == "__main__":

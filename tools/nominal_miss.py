@@ -1,8 +1,12 @@
-"""Print the miss (km) of entry laws on undisturbed entries: ``python tools/nominal_miss.py [LAW ...]``."""
+"""Print the miss (km) of entry laws on undisturbed entries, or the largest in unexpected winds.
+
+python tools/nominal_miss.py [LAW ...]
+python tools/nominal_miss.py --wind 40 [LAW ...]    # constant wind (m/s) to north, east, south and west
+"""
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import edl6dof
 from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
@@ -14,16 +18,30 @@ POINT_MASSES = ("wu2013", "zheng2015", "yan2016")
 
 def main() -> None:
     """Fly and print a row for each law."""
-    scenarios = (*MISSIONS, *POINT_MASSES)
-    print("| law | " + " | ".join(f"`{name}`" for name in scenarios) + " |")
-    for law in sys.argv[1:] or [name for name in ENTRY_LAWS.names if name != "constant_bank"]:
-        print(f"| `{law}` | " + " | ".join(f"{miss(name, law):.1f}" for name in scenarios) + " |", flush=True)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("laws", nargs="*", metavar="LAW")
+    parser.add_argument("--wind", type=float, default=0.0)
+    options = parser.parse_args()
+    scenarios = MISSIONS if options.wind else (*MISSIONS, *POINT_MASSES)
+    print("| law: miss, km | " + " | ".join(f"`{name}`" for name in scenarios) + " |")
+    print("|---" + "|---:" * len(scenarios) + "|")
+    for law in options.laws or [name for name in ENTRY_LAWS.names if name != "constant_bank"]:
+        misses = (max(miss(name, law, wind) for wind in winds(options.wind)) for name in scenarios)
+        print(f"| `{law}` | " + " | ".join(f"{one:.1f}" for one in misses) + " |", flush=True)
 
 
-def miss(scenario: str, law: str) -> float:
+def winds(speed: float) -> list[list[str]]:
+    """Overrides for each wind; the flight computer keeps the wind that it expects."""
+    ways = [f"{way}_m_s: {sign * speed}" for way in ("north", "east") for sign in (1.0, -1.0)]
+    return [[f"wind={{model: constant, constant: {{{way}}}}}"] for way in ways] if speed else [[]]
+
+
+def miss(scenario: str, law: str, wind: list[str]) -> float:
     """Distance (km) from the aim point at the mortar."""
     own = [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
-    flight = edl6dof.fly(scenario, ["mission.goal=deployment", f"{ENTRY}.law={law}", *own])
+    flight = edl6dof.fly(scenario, ["mission.goal=deployment", f"{ENTRY}.law={law}", *own, *wind])
     return flight.figures["parachute_miss_m"] / 1e3
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.design.sections import FaultGroup, FaultMatrixParams, FaultMoment
@@ -18,6 +18,7 @@ from edl6dof.campaign.faults import (
     phases_of,
     usual_phases_of,
 )
+from edl6dof.config.document.yamltree import parse_yaml
 from edl6dof.config.errors import ConfigError, Problem, did_you_mean
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import load_scenario
@@ -25,6 +26,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import fly
 from edl6dof.telemetry.timeline import NO_MILESTONE, milestone
 from edl6dof.vehicle.faults.component import Component
+from edl6dof.vehicle.faults.fault import about
 
 #: Time from the start of a phase to the fault by default, s; most moments of a matrix.
 AFTER_S, _MOST = 1.0, 2000
@@ -49,6 +51,7 @@ class FaultRequest(NamedTuple):
     phases: str = ""  # phases in which they fail
     after_s: float | None = None  # time from the start of the phase to the fault, s
     at: str | None = None  # moments instead: 60,129.5 or every 10 s or bank_reversal, or several of these
+    settings: str = ""  # other keys of each fault, as YAML
 
 
 def faults_plan(
@@ -71,8 +74,15 @@ def matrix_of(loaded: LoadedScenario, request: FaultRequest) -> FaultMatrixParam
     if choice.problems:
         raise ConfigError(choice.problems)
     groups = [
-        FaultGroup(kind=kind, component=component, names=names, moments=moments[kind])
+        FaultGroup(
+            kind=kind,
+            component=component,
+            names=names,
+            moments=moments[kind],
+            settings={**choice.settings, **({kind: size} if size else {})},
+        )
         for kind, component, names in failing
+        for size in ([{}] if request.pairs else about(kind).sizes(component))
     ]
     return FaultMatrixParams(groups=groups, together=choice.together)
 
@@ -84,6 +94,18 @@ class _Choice:
         self.loaded, self.scenario, self.request = loaded, loaded.scenario, request
         self.together = 2 if request.pairs else 1
         self.problems: list[Problem] = []
+        self.settings = self._settings()
+
+    def _settings(self) -> dict[str, Any]:
+        """Return the other keys of each fault."""
+        try:
+            data = parse_yaml(self.request.settings or "{}", "").data
+        except ConfigError as error:
+            data = "; ".join(problem.message for problem in error.problems)
+        if isinstance(data, dict):
+            return data
+        self._refuse("--with", f"must be keys of a fault, such as '{{duration_s: 20}}' (got {data})")
+        return {}
 
     def failing(self) -> list[tuple[str, Component, list[str]]]:
         """Return the kinds of fault, each with a kind of component and the names of the failing ones."""

@@ -6,11 +6,12 @@ software needs.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from itertools import count
+from json import dumps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from edl6dof.api.arguments import Overrides, extends_name, named, naming_arguments, texts
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from edl6dof.api.flight import Flight, RecordedFlight
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
+    from edl6dof.campaign.margins import AxisMargins
+    from edl6dof.campaign.margins import Progress as MarginsProgress
     from edl6dof.campaign.rare import Progress as RareProgress
     from edl6dof.campaign.rare import RareFailure
     from edl6dof.report.campaign.assurance import Assurance
@@ -239,6 +242,45 @@ def rare(
     return rare.fly(request, store, workers=workers, resume=resume, force=force, progress=progress)
 
 
+@naming_arguments(n="vehicles", measured="measure")
+def margins(
+    scenario: str | Path | Scenario,
+    overrides: Overrides = (),
+    *,
+    phases: Sequence[str] = (),
+    moments: int = 3,
+    vehicles: int = 0,
+    seed: int | None = None,
+    measure: bool = False,
+    progress: MarginsProgress | None = None,
+) -> list[AxisMargins]:
+    """Compute margins and limit cycles of the attitude loops, as ``edl6dof margins`` does; return a row for
+    each phase that is flown and each axis.
+
+    Args:
+        scenario: scenario file or name; with ``vehicles`` a campaign.
+        overrides: changes of the scenario, as for :func:`load`.
+        phases: names of the phases; by default all with attitude control.
+        moments: number of moments of each phase.
+        vehicles: number of dispersed vehicles, instead of the scenario itself.
+        seed: seed of the dispersions; by default that of the campaign.
+        measure: True to measure margins as well, by pushes of a frozen flight.
+        progress: called with the number of moments analysed, and with their number.
+
+    Raises:
+        ConfigError: the scenario has no attitude control, no such phase, or no dispersions.
+    """
+    name, sets = named(scenario, overrides)
+    activate(name)
+    from edl6dof.campaign import margins as analysis
+    from edl6dof.campaign.design.plan import load_plan
+    from edl6dof.scenario.loading import load_scenario
+
+    request = analysis.Request(tuple(phases), moments, vehicles, measure)
+    plan = load_plan(name, sets, seed=seed) if vehicles else None
+    return analysis.analyse(plan.loaded if plan else load_scenario(name, sets), request, plan, progress)
+
+
 @naming_arguments(**{"at": "at_s", "from": "start_s", "to": "end_s", "length": "length_s", "tour": "page"})
 def replay(
     *runs: str | Path | Flight | RecordedFlight | CampaignResult,
@@ -369,6 +411,7 @@ def faults(
     at: str | float | Iterable[str | float] | None = None,
     phases: str | Iterable[str] = (),
     after_s: float | None = None,
+    settings: Mapping[str, Any] | None = None,
     vehicles: int | None = None,
     seed: int | None = None,
     workers: int | None = None,
@@ -388,6 +431,7 @@ def faults(
         at: moments: times in s, ``"every 10 s"``, or events of the nominal flight.
         phases: phases at whose start the faults begin, instead of ``at``.
         after_s: time from the start of the phase to the fault, s.
+        settings: other keys of each fault, such as ``{"duration_s": 20.0}``.
         vehicles: number of dispersed vehicles for each fault; by default the nominal one.
         seed: seed of their dispersions.
         workers: number of threads; by default all cores.
@@ -406,7 +450,9 @@ def faults(
 
     what, where, when = listed(kinds), listed(components), listed(phases)
     moments = None if at is None else listed(at)
-    request = FaultRequest(sensors, what, where, pairs, phases=when, after_s=after_s, at=moments)
+    request = FaultRequest(
+        sensors, what, where, pairs, phases=when, after_s=after_s, at=moments, settings=dumps(settings or {})
+    )
     plan = faults_plan(name, sets, request, vehicles, seed)
     job = Job(Store(Path(out or "")), EngineChoice(workers=workers), plan, force=force)
     return job.result(progress, in_memory=out is None)

@@ -94,7 +94,7 @@ def show_replay(
     if video.file is not None:
         viewer.encoder()  # or the flight would be drawn in vain
     bare = html is None and (video.file is not None or (screenshot is not None and page == TOUR))
-    with _ended_by_signals(), _recording(runs, page, bare) as recording:
+    with ended_by_signals(), _recording(runs, page, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
@@ -114,7 +114,7 @@ def show_replay(
 
 
 @contextmanager
-def _ended_by_signals() -> Iterator[None]:
+def ended_by_signals() -> Iterator[None]:
     """Let SIGTERM and SIGHUP end the work like Ctrl-C, without a viewer or a temporary file left over."""
 
     def interrupt(*_: object) -> None:

@@ -62,12 +62,13 @@ class Dask:
         Raises:
             OSError: no worker is left and none has joined for a while, or one runs another program.
         """
-        order = plan.text, identity(plan)
+        # the plan is a task of its own: copies of its text in every task would stay in memory
+        order = self.client.submit(_ordered, plan.text, identity(plan), pure=False)
         waiting: deque[Future] = deque()
         for first, last in ranges:
             for start in range(first, last, _TASK):
                 stop = min(start + _TASK, last)
-                waiting.append(self.client.submit(fly_range, *order, start, stop, pure=False))
+                waiting.append(self.client.submit(fly_range, order, start, stop, pure=False))
             ahead = _AHEAD * max(sum(self.client.nthreads().values()), 1)
             while len(waiting) >= ahead:
                 yield from self._result(waiting.popleft())
@@ -110,6 +111,7 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
         ImportError: Dask is not installed.
         OSError: no scheduler answers.
     """
+    import dask
     from distributed import Client, LocalCluster
 
     # errors of these modules are reported by this function, in one line
@@ -121,18 +123,27 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
         return
     options = {"host": "127.0.0.1", "dashboard_address": None, "processes": True, "threads_per_worker": 1}
     with (
+        # the profiler of a worker keeps a call tree for each second of an hour, half a gigabyte in all
+        dask.config.set({"distributed.worker.profile.enabled": False}),
         LocalCluster(n_workers=workers or available_cores(), **options) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         yield Dask(client)
 
 
-def fly_range(plan_text: str, ordered: Identity, first: int, last: int) -> list[Row]:
-    """Fly cases on a worker, which keeps the plan and its runner for later tasks.
+def _ordered(plan_text: str, ordered: Identity) -> tuple[str, Identity]:
+    """Return the text of a plan and the identity of its campaign, to every worker that needs them."""
+    return plan_text, ordered
+
+
+def fly_range(order: tuple[str, Identity], first: int, last: int) -> list[Row]:
+    """Fly cases on a worker, which keeps the plan and its runner for later tasks; ``order``: of
+    :func:`_ordered`.
 
     Raises:
         OSError: the worker runs another program than the sender of the cases, or has other tables.
     """
+    plan_text, ordered = order
     _require_same(differences_from(ordered, plan_text))
     plan, runner, present = _prepared(plan_text)
     _require_same(compared(ordered, present))

@@ -14,7 +14,7 @@ import numpy as np
 from edl6dof.campaign.design.plan import Plan
 from edl6dof.campaign.executor import Collect
 from edl6dof.interface.effectors import ThrusterFailure
-from edl6dof.metrics.out_of_use import failed_thrusters
+from edl6dof.metrics.out_of_use import failed_instruments, failed_thrusters
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
@@ -73,14 +73,17 @@ def isolations(flight: Flight) -> list[Isolation]:
 
 
 def failures(fault: FaultParams, truth: Scenario) -> list[Failure]:
-    """Return the failures to isolate for a fault: its component, or every thruster that a dead branch feeds.
+    """Return the failures to isolate for a fault: its component, every thruster that a dead branch feeds, or
+    every beam of a dead radar.
 
     If the feed of all thrusters is weak, none need be isolated, but to isolate one as degraded is not wrong.
     """
     if fault.component in ("thruster", "branch"):
         return _thrusters(fault, truth)
-    said = None if fault.component in INSTRUMENTS else fault.kind
-    return [Failure(fault.component, fault.acts_on(truth.components), said)]
+    if fault.component in INSTRUMENTS:
+        failed = failed_instruments(fault, truth.components, truth.sensors.radar.radars)
+        return [Failure(component, name, None) for component, name in failed]
+    return [Failure(fault.component, fault.acts_on(truth.components), fault.kind)]
 
 
 def _thrusters(fault: FaultParams, truth: Scenario) -> list[Failure]:
@@ -100,8 +103,8 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     """Return the response of a flight to faults that begin at one moment.
 
     ``fault_s``: time of the fault, null if the flight was over before.  ``first_use_s``: time from which all
-    failed components have fired, leaked or been read since the fault, null if one was not: nothing can reveal
-    it.  ``used_s``: shortest time in use of a failed component.  ``isolation_s`` and
+    failed components have fired, leaked or been read during the fault, null if one was not: nothing can
+    reveal it.  ``used_s``: shortest time in use of a failed component.  ``isolation_s`` and
     ``isolation_from_use_s``: time from the fault, and from the first use, to the isolation of the last failed
     component, null if one was not isolated.  ``kind_right``: true if all are isolated with the right kind.
     ``wrongly_named``: isolated components that are sound, had not failed yet, or have another kind of
@@ -111,7 +114,11 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     """
     truth, named = flight.loaded.truth, isolations(flight)
     begun = list(zip(truth.faults, map(float, flight.plant["fault_since"][0]), strict=False))
-    failed = [(failure, since) for fault, since in begun for failure in failures(fault, truth)]
+    failed = [
+        (failure, since, since + fault.lasts_s)
+        for fault, since in begun
+        for failure in failures(fault, truth)
+    ]
     true = [
         (one, since) for fault, since in begun for one in (*failures(fault, truth), *_thrusters(fault, truth))
     ]
@@ -122,7 +129,7 @@ def fault_response(flight: Flight) -> Mapping[str, Any]:
     row |= {"name_right": False, "kind_right": False}
     for column, some in (("named", named), ("wrongly_named", wrong), ("sound_named", sound)):
         row[column] = ", ".join(one.label for one in some) or None
-    if any(since == NOT_BEGUN or since >= end for _, since in failed):
+    if any(since == NOT_BEGUN or since >= end for _, since, _ in failed):
         return row
     return row | _response(flight, failed, named, end)
 
@@ -135,15 +142,15 @@ def _is_right(isolation: Isolation, true: Iterable[tuple[Failure, float]]) -> bo
 
 
 def _response(
-    flight: Flight, failed: Sequence[tuple[Failure, float]], named: Sequence[Isolation], end: float
+    flight: Flight, failed: Sequence[tuple[Failure, float, float]], named: Sequence[Isolation], end: float
 ) -> dict[str, Any]:
-    """The columns about failures that have all begun, each given with its time (s)."""
-    table, since = flight.telemetry, min(since for _, since in failed)
+    """The columns about failures that have all begun, each given with the times of its begin and end (s)."""
+    table, since = flight.telemetry, min(since for _, since, _ in failed)
     t, powered_s = table["t_s"], flight.figures.get("backshell_s", inf)
     step = float(t[1] - t[0]) if len(t) > 1 else 0.0
     used, used_s, isolated, kind_right = -inf, inf, -inf, True
-    for failure, began in failed:
-        uses = t[(t >= began) & (t < end) & _in_use(flight, failure)]
+    for failure, began, over in failed:
+        uses = t[(t >= began) & (t < min(end, over)) & _in_use(flight, failure)]
         about = [one for one in named if one.names(failure) and one.t_s >= began]
         right = [one for one in about if one.failure == failure]
         used, used_s = max(used, float(uses[0]) if len(uses) else inf), min(used_s, len(uses) * step)

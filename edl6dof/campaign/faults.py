@@ -20,6 +20,7 @@ from edl6dof.campaign.executor import Row
 from edl6dof.campaign.fault_response import AIR, NOT_BEGUN_YET, POWERED
 from edl6dof.config.document.source import read_document, resolve_scenario
 from edl6dof.config.errors import ConfigError, Problem
+from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.interface.roles import (
     HAZARD_AVOIDANCE,
     HOVER_IMAGING,
@@ -33,12 +34,13 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.faults.component import INSTRUMENTS, Component
 from edl6dof.vehicle.faults.fault import FAULT_KINDS, about
 
-#: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, of thrusters.
+#: Kinds of fault of instruments; other kinds of fault of one kind of component; of these, the three of a
+#: thruster that fault isolation distinguishes.
 OF_INSTRUMENTS = tuple(kind for kind in FAULT_KINDS.names if set(about(kind).components) <= set(INSTRUMENTS))
 KINDS = tuple(
     kind for kind in FAULT_KINDS.names if kind not in OF_INSTRUMENTS and len(about(kind).components) == 1
 )
-OF_THRUSTERS = tuple(kind for kind in KINDS if about(kind).components == ("thruster",))
+OF_THRUSTERS = THRUSTER_FAILURES
 
 #: Roles of the phases (the first of each) in which a fault begins by default: one of each kind of attitude
 #: control; for instruments, all phases of flight.
@@ -143,7 +145,37 @@ def fault_figures(rows: Sequence[Row]) -> dict[str, Any]:
         if (some := [row for row in rows if row["kind"] == kind and _regime(row) == regime])
     ]
     whole = _counts(rows)
-    return {"all": whole, "groups": groups, "acceptance": _acceptance(rows, whole)}
+    undetected = _undetected(rows)
+    return {"all": whole, "groups": groups, "undetected": undetected, "acceptance": _acceptance(rows, whole)}
+
+
+#: Figures of a flight whose largest value is the effect of the faults that were not detected.
+EFFECTS = ("touchdown_nav_velocity_m_s", "touchdown_nav_height_m", "touchdown_nav_vertical_deg")
+
+
+def _undetected(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Of each kind of fault and swept parameter: number of flights in which the fault could be known, and in
+    which no failed component was named; the largest size of these, how many of them are not within limits,
+    and the largest magnitudes of ``EFFECTS`` in them.
+    """
+    swept: dict[tuple[str, str], list[tuple[float, Row]]] = {}
+    for row in filter(can_be_known, rows):
+        parameter, _, size = (row.get("size") or "").partition("=")
+        if parameter:
+            swept.setdefault((row["kind"], parameter), []).append((float(size), row))
+    found = []
+    for (kind, parameter), flown in swept.items():
+        missed = [(size, row) for size, row in flown if not row["name_right"]]
+        effects = {
+            name: max((abs(row[name]) for _, row in missed if row.get(name) is not None), default=None)
+            for name in EFFECTS
+        }
+        found.append({
+            "kind": kind, "parameter": parameter, "flights": len(flown), "undetected": len(missed),
+            "largest": max((size for size, _ in missed), default=None),
+            "not_within_limits": sum(not row["success"] for _, row in missed), **effects,
+        })  # fmt: skip
+    return found
 
 
 def _regime(row: Row) -> str:

@@ -7,7 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable
 
-from edl6dof.cli.campaigns import campaign, covariance, faults, rare, refly
+from edl6dof.cli.campaigns import campaign, covariance, faults, margins, rare, refly
 from edl6dof.cli.designs import design, new
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app, examples
@@ -27,7 +27,7 @@ from edl6dof.cli.scenarios import (
 
 #: By the title of their part of the help.
 COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {
-    "Fly": (fly, campaign, refly, faults, covariance, rare),
+    "Fly": (fly, campaign, refly, faults, covariance, rare, margins),
     "Look at results": (report, assure, replay, plot, compare, export),
     "Scenarios": (scenarios, show, check, params, schema, trust),
     "Compare with references and papers": (verify, validate, figures, calibrate, study),

@@ -18,7 +18,7 @@ from edl6dof.api.campaign import Job
 from edl6dof.api.progress import count_runs
 from edl6dof.api.reports import report_of, write_page
 from edl6dof.campaign.executor import Row
-from edl6dof.campaign.faults import can_be_known, is_right
+from edl6dof.campaign.faults import EFFECTS, can_be_known, is_right
 from edl6dof.campaign.run import Report, Tally
 from edl6dof.campaign.statistics import SHARES, flights_needed, quantile
 from edl6dof.campaign.store import Store
@@ -187,6 +187,8 @@ def _print(console: Console, rows: Sequence[Row], figures: Mapping[str, Any]) ->
     console.print(_shares(figures["groups"]))
     for start, words in (("from_use_s", "first use"), ("from_fault_s", "the fault")):
         console.print(_times(figures["groups"], start, f"time from {words} to isolation, s"))
+    if figures["undetected"]:
+        console.print(_undetected(figures["undetected"]))
     console.print(_LEGEND, style="dim")
     lost = [row for row in rows if not row["success"]]
     _lines(console, "red", [f"{_case(row)}: {row['outcome']}" for row in lost])
@@ -208,7 +210,8 @@ def _fits(rows: Sequence[Row]) -> bool:
 
 
 def _case(row: Row) -> str:
-    return f"case {row['case']}, {row['component']} {row['kind']} at {row['moment']}"
+    fault = " ".join(filter(None, (row["component"], row["kind"], row.get("size"))))
+    return f"case {row['case']}, {fault} at {row['moment']}"
 
 
 def _lines(console: Console, style: str, lines: Sequence[str]) -> None:
@@ -258,6 +261,18 @@ def _times(groups: Sequence[Mapping[str, Any]], start: str, title: str) -> Table
     for group in groups:
         shown = [f"{group[start][name]:.2f}" if group[start] else "" for name in ("median", "p95", "worst")]
         table.add_row(group["kind"], group["regime"], *shown)
+    return table
+
+
+def _undetected(swept: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the largest effects of faults that were not detected, by kind and swept parameter."""
+    title = "faults in use that were not named: their largest size, and largest errors at touchdown"
+    heads = ("flights>", "not\nnamed>", "not in\nlimits>", "largest\nsize>", "velocity\nm/s>", "height\nm>")
+    table = open_table(title, "kind", "parameter", *heads, "vertical\ndeg>", narrow=True)
+    for one in swept:
+        counts = (str(one[name]) for name in ("flights", "undetected", "not_within_limits"))
+        values = ("" if one[name] is None else f"{one[name]:.3g}" for name in ("largest", *EFFECTS))
+        table.add_row(one["kind"], one["parameter"], *counts, *values)
     return table
 
 

@@ -140,7 +140,8 @@ def faults(
         argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
     sensors: Annotated[
-        bool, flag("Faults of every instrument axis, beam, star tracker and flow meter instead.", "--sensors")
+        bool,
+        flag("Faults of every instrument instead of thrusters.", "--sensors"),
     ] = False,
     kinds: Annotated[
         str,
@@ -171,6 +172,10 @@ def faults(
     after: Annotated[
         float | None, option("S", "Time from the start of the phase to the fault; 1 s if not given.")
     ] = None,
+    settings: Annotated[
+        str,
+        option("YAML", "Other keys of each fault, as under faults:, such as '{duration_s: 20}'.", "--with"),
+    ] = "",
     sets: Sets = None,
     vehicles: Annotated[
         int | None,
@@ -202,7 +207,9 @@ def faults(
         from edl6dof.cli.campaign_flight import fly_campaign
 
         engine = api.EngineChoice(workers=workers)
-        request = FaultRequest(sensors, kinds, components, pairs, phases=phases, after_s=after, at=at)
+        request = FaultRequest(
+            sensors, kinds, components, pairs, phases=phases, after_s=after, at=at, settings=settings
+        )
         if resume and api.is_campaign(scenario):
             api.require_no_values(scenario, *request, sets, vehicles, seed)
             job = api.Job(Store(Path(scenario)), engine)
@@ -357,3 +364,52 @@ def rare(
         show_report(report)
         print(f"\n{time.process_time() - began:.0f} s of CPU in this run; {page}")
     return 0
+
+
+def margins(
+    scenario: Annotated[str, argument("SCENARIO", "Scenario; with -n a campaign.")],
+    sets: Sets = None,
+    phases: Annotated[
+        str, option("LIST", "Phases, with commas; all with attitude control if not given.")
+    ] = "",
+    moments: Annotated[int, option("N", "Moments of each phase.", min=1, max=100)] = 3,
+    vehicles: Annotated[
+        int, option("N", "Dispersed vehicles, instead of the scenario itself.", "-n", "--vehicles", min=0)
+    ] = 0,
+    seed: Annotated[int | None, option("N", "Seed of the dispersions.", min=0)] = None,
+    measure: Annotated[
+        bool, flag("Measure margins too: push the vehicle, with more gain or later valves.", "--measure")
+    ] = False,
+    out: Annotated[Path | None, option("FILE", "Write the rows (.csv).")] = None,
+    force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
+) -> None:
+    """Compute the stability margins of attitude control.
+
+    For every phase and axis: gain, phase, delay and disk margin of the loop that flies, linearised at some
+    moments, and the limit cycle of an axis that rests within a deadband, predicted and flown.
+
+    Exit status: 0 computed, 2 bad input or nothing could be written.
+    """
+    activate(scenario)
+    from edl6dof.api import functions
+    from edl6dof.api.progress import count_runs
+    from edl6dof.cli.margins_table import show, write_rows
+    from edl6dof.runs.files import atomic_file
+
+    check_target(out, (".csv",), force)
+    names = [name.strip() for name in phases.split(",") if name.strip()]
+    with count_runs("margins") as progress:
+        rows = functions.margins(
+            *(scenario, tuple(sets or ())),
+            phases=names,
+            moments=moments,
+            vehicles=vehicles,
+            seed=seed,
+            measure=measure,
+            progress=progress,
+        )
+    show(scenario, rows)
+    if out is not None:
+        with atomic_file(out, force) as partial:
+            write_rows(rows, partial)
+        print(out)

@@ -166,6 +166,7 @@ def study(
             "N", "Flights; as many as the paper's, or the study's own number, if not given.", "-n", "--runs"
         ),
     ] = None,
+    seed: Annotated[int | None, option("N", "Seed of the draws, of study guidance.", "--seed")] = None,
     only: Annotated[
         list[str] | None, option("LAW", "One law of those that a study compares; repeatable.", "--only")
     ] = None,
@@ -183,4 +184,6 @@ def study(
 
     if name is None:
         return list_studies()
-    return run_study(name, runs=runs, only=only or (), out=out, force=force, quick=quick, as_json=as_json)
+    return run_study(
+        name, runs=runs, seed=seed, only=only or (), out=out, force=force, quick=quick, as_json=as_json
+    )

@@ -114,6 +114,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof rare tianwen1_mc requirements.yaml --requirement EDL-2",
         "edl6dof rare tianwen1_mc --requirement touchdown_vertical_m_s -n 1000",
     ),
+    "margins": ("edl6dof margins tianwen1", "edl6dof margins tianwen1_mc -n 10 --moments 1"),
     "refly": (
         "edl6dof refly runs/tianwen1_mc 17",
         "edl6dof refly runs/tianwen1_mc --worst landing_distance_m",

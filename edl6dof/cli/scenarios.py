@@ -42,16 +42,20 @@ def fly(
     start: Annotated[
         Path | None, option("STATE", "Continue from a saved state, which contains its scenario.", "--from")
     ] = None,
+    live: Annotated[bool, flag("Show the flight in the viewer while it is flown.", "--live")] = False,
+    pace: Annotated[float, option("X", "Seconds of flight in a second, with --live.", min=0.01)] = 4.0,
 ) -> int:
     """Fly one scenario and write its run folder.
 
     Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input,
-    130 interrupted.
+    69 the viewer does not run here, 130 interrupted.
     """
     if save_state is not None and not (math.isfinite(save_state) and save_state >= 0.0):
         raise refusal("--save-state", f"must be a time in s, 0 or more (got {save_state:g})")
     if start is not None and scenario is not None:
         raise refusal("--from", "a saved state brings its own scenario; give no other")
+    if live and (start is not None or save_state is not None):
+        raise refusal("--live", "shows a whole flight; leave out --from and --save-state")
     activate(scenario)
     changes = tuple(sets or ())
     from rich.console import Console
@@ -60,6 +64,7 @@ def fly(
     from edl6dof.api.functions import report as write_report
     from edl6dof.api.progress import flight_progress
     from edl6dof.manifest import listed
+    from edl6dof.replay.viewer import ViewerFailed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.files import default_folder
     from edl6dof.scenario.loading import load_scenario
@@ -75,10 +80,18 @@ def fly(
     talk = not (quiet or as_json)
 
     def flown() -> Flight:
+        if live:
+            from edl6dof.api.live import fly_live
+
+            return fly_live(loaded, pace)
         with flight_progress(talk) as progress:
             return Flight.of(sim.fly(loaded, start=state, save_at_s=save_state, progress=progress))
 
-    flight = flown_into(target, flown, replay=replay, force=force, release=True)
+    try:
+        flight = flown_into(target, flown, replay=replay, force=force, release=True)
+    except ViewerFailed as error:
+        print(error, file=sys.stderr)
+        return UNAVAILABLE
     if report:
         write_report(target)
     console = Console(highlight=False, soft_wrap=True)

@@ -37,6 +37,7 @@ def run_study(
     name: str,
     *,
     runs: int | None = None,
+    seed: int | None = None,
     only: Sequence[str] = (),
     out: Path | None = None,
     force: bool = False,
@@ -50,6 +51,8 @@ def run_study(
     if runs is not None and (not 1 <= runs <= MOST_RUNS or not study.counted):
         reason = f"must be 1 to {MOST_RUNS}" if study.counted else f"{study.name} is a fixed set of flights"
         return refuse(f"-n {runs}: {reason}")
+    if seed is not None and study.seed is None:
+        return refuse(f"--seed {seed}: the draws of {study.name} are fixed")
     if others := sorted(set(only) - set(study.parts)):
         allowed = f"one of {', '.join(study.parts)}" if study.parts else "left out: this study is one whole"
         return refuse(f"--only {', '.join(others)}: must be {allowed}")
@@ -57,7 +60,7 @@ def run_study(
     count = runs or (study.quick_runs if quick else study.runs)
     with atomic_folder(target, "study", force) as folder:
         with count_runs(study.name, quiet=as_json) as progress:
-            report = study.fly(count, only, progress)
+            report = study.fly(count, only, progress, seed)
         write_study(study, report, folder)
     if as_json:
         print(to_json(study, report), end="")

@@ -69,7 +69,7 @@ def monotone_slopes(curve: np.ndarray, sloping_ends: bool) -> np.ndarray:
 
 
 #: Random streams of a case: the last of the three numbers (seed, case index, stream) that start a generator.
-DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM = 1, 2, 3, 4
+DENSITY_STREAM, GUST_STREAM, TEMPERATURE_STREAM, GROUND_STREAM, FAULT_STREAM = 1, 2, 3, 4, 5
 #: Random stream of the first sensor of the family; those of the others follow.
 SENSOR_STREAM = 100
 

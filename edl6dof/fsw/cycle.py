@@ -183,7 +183,7 @@ def run(functions, onboard, sensed, k, fsw):
         return
 
     count, healthy, disturbance = vehicle.n_thrusters, fsw.health.thruster, fsw.disturbance
-    update_effectiveness(vehicle, state.configuration, fsw.effectiveness)
+    update_effectiveness(vehicle, state.configuration, fsw.health.loss, fsw.effectiveness)
     effectiveness = fsw.effectiveness.matrix
     inertia = vehicle.configuration[state.configuration].inertia
 
@@ -227,6 +227,7 @@ def run(functions, onboard, sensed, k, fsw):
         t=nav.t,
         dt=control_dt,
         healthy=healthy,
+        loss=fsw.health.loss,
     )
     diagnose(onboard.diagnosis, signals, fsw.diagnosis)
     for b in range(vehicle.branches.count):

@@ -10,9 +10,11 @@ from edl6dof.interface.effectors import CUT_OFF, DEPLOY, EXTEND, IGNITE, JETTISO
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record, whole
 
-#: Thrusters that may be used: 0 once one is found to have failed.
-HEALTH = record(("thruster", FLAG, (MAX_THRUSTERS,)))
-
+#: Health of the thrusters as far as the flight computer knows.
+HEALTH = record(
+    ("thruster", FLAG, (MAX_THRUSTERS,)),  # whether each may be used: 0 once it is found to have failed
+    ("loss", "f8", (MAX_THRUSTERS,)),  # share of its thrust that each in use has lost
+)
 
 #: Ability of one engine, or of all burning engines together.
 ENGINE_ABILITY = record(

@@ -22,6 +22,8 @@ MAX_PARACHUTES = 4
 MAX_GYROS = 8
 MAX_ACCELEROMETERS = 8
 MAX_BEAMS = 8
+#: Star trackers, which are compared with each other.
+MAX_TRACKERS = 2
 MAX_PORTS = 8
 #: Phases of a mission.
 MAX_PHASES = 16

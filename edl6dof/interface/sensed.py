@@ -19,6 +19,7 @@ from edl6dof.interface.capacities import (
     MAX_BRANCHES,
     MAX_GYROS,
     MAX_PORTS,
+    MAX_TRACKERS,
     SCAN_BLOCK,
     SCAN_COLUMNS,
     SCAN_ROWS,
@@ -37,10 +38,10 @@ INERTIAL = record(
     ("accelerometer_saturated", FLAG, (MAX_ACCELEROMETERS,)),  # each met the end of its range
 )
 
-#: Reading of a star tracker.
+#: Readings of the star trackers.
 STARS = record(
-    ("q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
-    ("valid", FLAG),  # it is of this cycle
+    ("q_I2B", "f8", (MAX_TRACKERS, 4)),  # attitude of B in I, unit quaternions, scalar first
+    ("valid", FLAG, (MAX_TRACKERS,)),  # each is of this cycle
 )
 
 #: Readings of the beams of a landing radar.
@@ -91,7 +92,7 @@ SENSED = record(
     ("imu_rate_B", "f8", (3,)),  # rad/s, B: rate of B relative to I, read by the ideal inertial unit
     ("imu_gain_B", "f8", (3,)),  # m/s, B: integral of the specific force, by the ideal unit
     ("inertial", INERTIAL),  # of the inertial unit, some cycles old
-    ("stars", STARS),  # of the star tracker
+    ("stars", STARS),  # of the star trackers
     ("radar", RADAR),  # of the landing radar
     ("tracking", TRACKING),  # of ground tracking
     ("pressure", "f8", (MAX_PORTS,)),  # Pa, at each port of the air data system

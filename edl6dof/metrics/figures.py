@@ -16,6 +16,7 @@ import numpy as np
 
 from edl6dof.config.units import Unit, split_unit
 from edl6dof.interface.roles import HOVER_IMAGING, LIFT, PARACHUTE, TRIM, begun, span
+from edl6dof.telemetry.reversals import reversal_rows
 
 if TYPE_CHECKING:
     from edl6dof.telemetry.columns import Telemetry  # a report need not load its kernels
@@ -163,9 +164,9 @@ def _bank(flown: Flown) -> tuple[np.ndarray, int]:
 
 
 def bank_reversals(flown: Flown) -> float | None:
-    """Return the number of sign changes of the commanded bank angle."""
+    """Return the number of reversals of the commanded bank angle."""
     bank, _ = _bank(flown)
-    return float(np.count_nonzero(bank[1:] * bank[:-1] < 0.0)) if len(bank) else None
+    return float(len(reversal_rows(bank))) if len(bank) else None
 
 
 def bank_zero(flown: Flown) -> float | None:

@@ -16,7 +16,7 @@ from edl6dof.vehicle.plant import NOT_BEGUN
 
 @dataclass(frozen=True)
 class IsolatedFault:
-    """A thruster fault that the flight computer isolated; it takes the thruster out of use."""
+    """A thruster fault that the flight computer isolated; only a degraded thruster stays in use."""
 
     thruster: str
     kind: str  # stuck off, stuck on, degraded
@@ -135,16 +135,30 @@ def exclusions(fsw: np.void, components: Components) -> list[Exclusion]:
     return sorted(found, key=lambda one: one.t_s)
 
 
+def failed_instruments(
+    fault: FaultParams, components: Components, radars: Mapping[str, Sequence[str]]
+) -> list[tuple[Component, str]]:
+    """Kinds and names of the instruments that a fault makes fail: one, all beams of a radar, or none;
+    ``radars``: beams of each radar.
+    """
+    name = fault.acts_on(components)
+    if fault.component == "radar":
+        return [("beam", beam) for beam in radars[name]]
+    return [(fault.component, name)] if fault.component in INSTRUMENTS else []
+
+
 def exclusion_figures(
-    found: Sequence[Exclusion], faults: Sequence[FaultParams], components: Components, plant: np.void
+    found: Sequence[Exclusion],
+    faults: Sequence[FaultParams],
+    components: Components,
+    radars: Mapping[str, Sequence[str]],
+    plant: np.void,
 ) -> dict[str, float]:
     """Return the number of healthy instruments excluded, and the time (s) from the first instrument fault
-    that was found to its exclusion, if there was one.
+    that was found to its exclusion, if there was one; ``radars``: beams of each radar.
     """
     since = {
-        (fault.component, fault.acts_on(components)): t
-        for fault, t in _begun(faults, plant)
-        if fault.component in INSTRUMENTS
+        one: t for fault, t in _begun(faults, plant) for one in failed_instruments(fault, components, radars)
     }
     out = [one for one in found if not one.back]
     right = [one for one in out if one.t_s >= since.get((one.component, one.instrument), np.inf)]

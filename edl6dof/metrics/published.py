@@ -22,7 +22,7 @@ from edl6dof.spatial.elementary import hypot
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"
 #: Kind of evidence of a published number.  Only ``flown`` counts as a prediction.
-Evidence = Literal["flown", "planned", "commanded", "duplicate"]
+Evidence = Literal["flown", "bound", "planned", "commanded", "duplicate"]
 
 
 class PublishedFigure(Params):
@@ -47,8 +47,9 @@ class PublishedFigure(Params):
     )
     evidence: Evidence = param(
         "flown",
-        "flown: it counts; planned: printed before the flight; commanded: a setting of this scenario chooses "
-        "it; duplicate: a setting fixes its difference to another published figure",
+        "flown: it counts; bound: printed as a bound of the flown value; planned: printed before the flight; "
+        "commanded: a setting of this scenario chooses it; duplicate: a setting fixes its difference to "
+        "another published figure",
         record=False,
     )
     because: str | None = param(

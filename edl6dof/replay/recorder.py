@@ -5,8 +5,9 @@ A negative radius is a size on the screen, in points.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -26,6 +27,22 @@ SCALAR_HZ = 12.5
 SLOW_HZ = 6.25
 
 
+class Sink(Protocol):
+    """The methods of a recording stream of rerun that recorders call."""
+
+    def log(self, entity_path: str, entity: Any, /, *more: Any, static: bool = False) -> None:
+        """Log an entity."""
+
+    def set_time(self, timeline: str, /, *, duration: float) -> None:
+        """Set the time (s) of what is logged next."""
+
+    def reset_time(self) -> None:
+        """End the effect of :meth:`set_time`."""
+
+    def send_columns(self, entity_path: str, /, indexes: Iterable[Any], columns: Iterable[Any]) -> None:
+        """Send a series."""
+
+
 class Recorder:
     """Writes one part of one flight.
 
@@ -37,7 +54,7 @@ class Recorder:
     """
 
     def __init__(
-        self, flight: History, motion: Motion, recording: rr.RecordingStream, number: int = 0, label: str = ""
+        self, flight: History, motion: Motion, recording: Sink, number: int = 0, label: str = ""
     ) -> None:
         import rerun as rr
 

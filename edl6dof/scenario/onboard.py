@@ -118,6 +118,7 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
         stars = in_si(sensors.star_tracker)
         square = (2.0 * np.square(stars["noise"]) + np.square(stars["boresight_noise"])) / 3.0
         record["star_sigma"], record["star_bias"] = np.sqrt(square), stars["misalignment"]
+        record["n_trackers"] = stars["n_heads"]
         record["star_lowest"], record["star_rate"] = stars["lowest"], stars["rate"]
         record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
     if "ground_tracking" in sensors.flown:

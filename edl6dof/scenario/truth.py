@@ -73,7 +73,7 @@ def build_case(scenario: Scenario, tables: np.ndarray) -> np.ndarray:
     fill_sensor_params(case["sensors"], s.sensors_in_flight)
     draw_sensor_units(case["sensors"], s.sensors_in_flight, *seed)
     case["sensors"]["unit"]["star_tracker"]["until"] = event_number(s.mission, s.sensors.star_tracker.until)
-    fill_faults(case["faults"], s.faults, s.components, s.phase_names)
+    fill_faults(case["faults"], s.faults, s.components, s.phase_names, seed)
     _fill_goal(case, s)
     return cases
 

@@ -24,12 +24,8 @@ class GroundTrackingParams(Params):
 
     largest = {"m": 1e6}
 
-    position_m: Vec3 = param(
-        (300.0, 500.0, 300.0), "standard deviations of the position", status="estimate", min_length=3
-    )
-    velocity_m_s: Vec3 = param(
-        (0.4, 0.4, 0.4), "standard deviations of the velocity", status="estimate", min_length=3
-    )
+    position_m: Vec3 = param((300.0, 500.0, 300.0), "standard deviations of the position", status="estimate")
+    velocity_m_s: Vec3 = param((0.4, 0.4, 0.4), "standard deviations of the velocity", status="estimate")
 
 
 #: The error of this case: radial, along-track, cross-track.

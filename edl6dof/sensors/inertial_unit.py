@@ -89,7 +89,7 @@ class AccelerometerParams(Params):
 class InertialUnitParams(Hardware):
     """Inertial unit of real gyros and accelerometers."""
 
-    position_m: Vec3 = param((-0.9, 0.3, 0.0), "position of the unit in B", status="estimate", min_length=3)
+    position_m: Vec3 = param((-0.9, 0.3, 0.0), "position of the unit in B", status="estimate")
     delay_cycles: int = param(
         1,
         "base cycles between a reading and its arrival in the flight computer",

@@ -223,9 +223,7 @@ class LandingCameraParams(ImagerParams):
     field_of_view_deg: float = param(
         60.0, "field of view along rows and along columns", status="estimate", gt=0.0, le=120.0
     )
-    position_m: Vec3 = param(
-        (-0.5, -0.6, 0.0), "position of the camera in B", status="estimate", min_length=3
-    )
+    position_m: Vec3 = param((-0.5, -0.6, 0.0), "position of the camera in B", status="estimate")
     pixels: int = param(
         1024, "pixels along each side of the image", status="estimate", ge=CAMERA_CELLS, le=16384
     )

@@ -45,7 +45,7 @@ class LidarParams(ImagerParams):
         28.0, "field of view along rows and columns: 50 m of ground from 100 m", status="derived",
         source="patch of Chang'e-3, hover of Tianwen-1", gt=0.0, le=90.0,
     )  # fmt: skip
-    position_m: Vec3 = param((-0.5, 0.6, 0.0), "position of the lidar in B", status="estimate", min_length=3)
+    position_m: Vec3 = param((-0.5, 0.6, 0.0), "position of the lidar in B", status="estimate")
     longest_m: float = param(300.0, "range beyond which nothing comes back", status="estimate", gt=0.0)
     incidence_deg: float = param(
         75.0, "largest angle between a ray and the normal of the ground", status="estimate", gt=0.0, lt=90.0

@@ -25,8 +25,8 @@ class NavigationErrorParams(Params):
 
     largest = {"m": 1e6}
 
-    position_m: Vec3 = param((0.0, 0.0, 0.0), "error of the position", min_length=3)
-    velocity_m_s: Vec3 = param((0.0, 0.0, 0.0), "error of the velocity", min_length=3)
+    position_m: Vec3 = param((0.0, 0.0, 0.0), "error of the position")
+    velocity_m_s: Vec3 = param((0.0, 0.0, 0.0), "error of the velocity")
     force_scale: float = param(0.0, "relative error of the specific force", gt=-1.0, le=1.0)
     force_noise_m_s2: float = param(
         0.0, "noise of each axis of the specific force, standard deviation of a reading", ge=0.0

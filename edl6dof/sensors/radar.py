@@ -1,4 +1,4 @@
-"""Landing radar: range, and speed by the Doppler effect, of any number of beams.
+"""Landing radars: range, and speed by the Doppler effect, of any number of beams, of one radar or more.
 
 A beam measures to the real ground, or to a part that has left the vehicle and lies in the beam; the speed is
 that of the antenna, v + w x l relative to the turning planet, along the beam.  It sees nothing through the
@@ -40,9 +40,10 @@ from edl6dof.vehicle.surroundings import planet_rotation
 _DRAWS = 4
 
 
-def four_beams() -> list[SenseAxis]:
-    """Four beams evenly on a cone of half angle 25 deg about x of B, named b1..b4."""
-    return axes_towards("b", [(25.0 * pi / 180.0, pi / 4.0 + k * pi / 2.0) for k in range(4)])
+class Beam(SenseAxis):
+    """One beam of a radar."""
+
+    radar: int = param(1, "number of its radar; beams of one radar fail together", ge=1, le=MAX_BEAMS)
 
 
 class LobeParams(Params):
@@ -71,17 +72,21 @@ class DustParams(Params):
     dropout: float = param(0.2, "probability that a beam loses its echo", status="estimate", ge=0.0, le=1.0)
 
 
+def four_beams() -> list[Beam]:
+    """Four beams evenly on a cone of half angle 25 deg about x of B, named b1..b4."""
+    axes = axes_towards("b", [(25.0 * pi / 180.0, pi / 4.0 + k * pi / 2.0) for k in range(4)])
+    return [Beam(name=one.name, axis=one.axis) for one in axes]
+
+
 class RadarParams(Hardware):
     """Landing radar; errors as standard deviations."""
 
     largest = {"m": 1e6}
 
-    beams: Annotated[list[SenseAxis], Capacity(MAX_BEAMS)] = param(
+    beams: Annotated[list[Beam], Capacity(MAX_BEAMS)] = param(
         None, "the beams and their directions", factory=four_beams, min_length=1, max_length=MAX_BEAMS
     )
-    position_m: Vec3 = param(
-        (-0.5, 0.0, 0.6), "position of the antenna in B", status="estimate", min_length=3
-    )
+    position_m: Vec3 = param((-0.5, 0.0, 0.6), "position of the antenna in B", status="estimate")
     every_cycles: int = param(5, "base cycles from one reading to the next", status="estimate", ge=1, le=1000)
     highest_m: float = param(
         7000.0, "height of the antenna above the ground above which it sees nothing", status="published",
@@ -130,6 +135,15 @@ class RadarParams(Hardware):
     dust: DustParams = group(DustParams, "dust that the engines raise")
 
     _names_differ = field_validator("beams")(unique_names)
+
+    @property
+    def radars(self) -> dict[str, list[str]]:
+        """Names of the radars, r1, r2 and so on, and of the beams of each."""
+        count = max(beam.radar for beam in self.beams)
+        return {
+            f"r{number}": [beam.name for beam in self.beams if beam.radar == number]
+            for number in range(1, count + 1)
+        }
 
 
 #: Errors of the radar in this case: true directions (B), errors of scale, shifts of the range (m), key of

@@ -161,8 +161,9 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["inertial_unit"] = ["inertial_unit"]
     if "radar" in params.flown:
         names["beam"] = [one.name for one in params.radar.beams]
+        names["radar"] = list(params.radar.radars)
     if "star_tracker" in params.flown:
-        names["star_tracker"] = ["star_tracker"]
+        names["star_tracker"] = [one.name for one in params.star_tracker.heads]
     if "flow_meters" in params.flown:
         names["flow_meter"] = list(branches)
     names |= {name: [name] for name in IMAGERS if name in params.flown}

@@ -48,7 +48,6 @@ class StereoParams(ImagerParams):
         (-0.5, 0.0, -0.6),
         "position in B of the camera that the map belongs to",
         status="estimate",
-        min_length=3,
     )
     baseline_m: float = param(1.5, "distance of the cameras", status="estimate", gt=0.0, le=10.0)
     pixels: int = param(

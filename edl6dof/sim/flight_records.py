@@ -144,7 +144,8 @@ def figures_of(flight: FlightRecords) -> dict[str, float]:
         )
         if scenario.navigation_filter != "given":
             figures |= formed(flown, "navigation")
-            figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, plant)
+            radars = truth.sensors.radar.radars
+            figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, radars, plant)
         return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
 
 

@@ -17,11 +17,13 @@ from edl6dof.config.wording import unknown
 from edl6dof.interface.command import EXTERNAL
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.records import Records
+from edl6dof.sim.attitude_loop import Margins, linearise
 from edl6dof.sim.checkpoint import State
 from edl6dof.sim.commands import Command, Commander, Reader, navigated, true_state, wanted
 from edl6dof.sim.flight import Flight, flight_of
 from edl6dof.sim.flight_state import NO_TICKS, RunningFlight, Snapshot
-from edl6dof.sim.linear import LinearModel, Margins, control_gain, linear_plant, margins
+from edl6dof.sim.frozen import FrozenFlight
+from edl6dof.sim.linear import LinearModel, linear_plant
 from edl6dof.sim.outcome import FLYING, OUTCOMES
 
 
@@ -118,15 +120,14 @@ class SteppedFlight:
         """
         return linear_plant(self.running)
 
-    def attitude_margins(self) -> dict[str, Margins]:
-        """Return the stability margins of the attitude loop of the present phase, by axis of B.
-
-        The torque is held for a control cycle, which counts as a delay of half a cycle. The controller must
-        be linear near the present state, as ``thrust_vector`` is.
+    def attitude_margins(self) -> dict[str, Margins | None]:
+        """Return the stability margins of the attitude loop at this moment, by axis of B; ``None`` for an
+        axis whose law rests within a deadband.
         """
-        rates = self.loaded.scenario.flight_software.rates
-        held = 0.5 * rates.control_every / rates.base_hz
-        return margins(self.linear_plant(), control_gain(self.running), held)
+        running = self.running
+        parts = Records(running.case, running.tables, running.onboard)
+        loop = linearise(FrozenFlight(self.loaded, parts, running.snapshot()))
+        return {axis: loop.margins(i) for i, axis in enumerate("xyz")}
 
     def state(self) -> State:
         """Return the state of the flight, without commands; :meth:`restore` and ``edl6dof fly --from`` read

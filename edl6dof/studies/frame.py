@@ -155,11 +155,12 @@ class Session:
     Attributes:
         flights: wanted number of flights, as the study counts them.
         parts: wanted parts of the study, such as laws.
+        seed: seed of the draws, of a study with ``Study.seed``.
         total: number of flights in all, for the progress; set by the study.
     """
 
-    def __init__(self, flights: int, parts: Sequence[str], progress: Callable[[int, int], None]):
-        self.flights, self.parts, self.total = flights, parts, 0
+    def __init__(self, flights: int, parts: Sequence[str], seed: int, progress: Callable[[int, int], None]):
+        self.flights, self.parts, self.seed, self.total = flights, parts, seed, 0
         self._progress, self._done = progress, 0
 
     def step(self, flights: int = 1) -> None:
@@ -183,6 +184,7 @@ class Study:
         runs: number of runs that the source publishes.
         quick_runs: number of runs with ``--quick``.
         parts: choices of ``--only``, such as the laws that are compared; empty if the study has no parts.
+        seed: seed of its draws, which ``--seed`` changes; ``None`` if they cannot be changed.
     """
 
     name: str
@@ -192,6 +194,7 @@ class Study:
     runs: int = 1
     quick_runs: int = 1
     parts: tuple[str, ...] = ()
+    seed: int | None = None
 
     @property
     def counted(self) -> bool:
@@ -203,6 +206,7 @@ class Study:
         flights: int | None = None,
         only: Sequence[str] = (),
         progress: Callable[[int, int], None] = lambda done, total: None,
+        seed: int | None = None,
     ) -> Report:
         """Run the study.
 
@@ -210,9 +214,11 @@ class Study:
             flights: number of flights; by default that of the source.
             only: some of ``parts``; all if empty.
             progress: called with the flights done and the flights in all.
+            seed: seed of the draws; by default ``self.seed``.
         """
         parts = [part for part in self.parts if not only or part in only]
-        return self.run(Session(flights or self.runs, parts, progress))
+        chosen = (self.seed or 0) if seed is None else seed
+        return self.run(Session(flights or self.runs, parts, chosen, progress))
 
 
 def to_json(study: Study, report: Report) -> str:

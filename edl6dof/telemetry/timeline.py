@@ -12,6 +12,7 @@ from edl6dof.fsw.guidance import guidance_command
 from edl6dof.fsw.mission import Event, MissionParams
 from edl6dof.fsw.navigation.integrity import CHECKS
 from edl6dof.interface.roles import NO_ROLE, begun
+from edl6dof.telemetry.reversals import reversal_rows
 from edl6dof.vehicle.mass import Tank
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -139,10 +140,9 @@ def first_times(events: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 
 
 def bank_reversals(telemetry: Mapping[str, np.ndarray]) -> list[tuple[float, str]]:
-    """Times (s) at which the commanded bank angle changes sign, and the new side."""
+    """Times (s) of the reversals of the commanded bank angle, and the new side."""
     t, bank = telemetry["t_s"], telemetry["guide.bank_deg"]
-    steps = np.flatnonzero(bank[1:] * bank[:-1] < 0.0) + 1
-    return [(float(t[i]), "right" if bank[i] > 0.0 else "left") for i in steps]
+    return [(float(t[i]), "right" if bank[i] > 0.0 else "left") for i in reversal_rows(bank)]
 
 
 def _with_state(telemetry: Mapping[str, np.ndarray], one: Moment) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from edl6dof.interface.capacities import (
     MAX_SURFACES,
     MAX_TANKS,
     MAX_THRUSTERS,
+    MAX_TRACKERS,
 )
 from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.kernels import kernel
@@ -32,8 +33,8 @@ from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
 #: flag of saturation; none; at the end of the range with that flag; of something other than the ground.
 WORKING, STUCK, HARDOVER, OUTAGE, SATURATED, FALSE_LOCK = range(6)
 
-#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, kg/s of a
-#: flow meter.
+#: One reading, in its own unit: rad/s of a gyro, m/s2 of an accelerometer, m and m/s of a beam, rad of a star
+#: tracker, kg/s of a flow meter.
 READING_FAULT = record(
     ("mode", whole(0, FALSE_LOCK)),
     ("offset", "f8"),  # added to the reading; the reading itself at a false lock
@@ -50,7 +51,7 @@ INSTRUMENT_FAULTS = record(
     ("range", READING_FAULT, (MAX_BEAMS,)),
     ("speed", READING_FAULT, (MAX_BEAMS,)),
     ("flow", READING_FAULT, (MAX_BRANCHES,)),
-    ("star_tracker_lost", FLAG),
+    ("stars", READING_FAULT, (MAX_TRACKERS,)),
     ("camera_lost", FLAG),
     ("lidar_lost", FLAG),
     ("stereo_lost", FLAG),
@@ -96,6 +97,10 @@ VALVES = record(
     ("lost", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a fault takes away
     ("flow_lost", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow lost
     ("feed_lost", "f8"),  # share of thrust and flow that all thrusters lose with their feed
+    ("leak", "f8", (MAX_THRUSTERS,)),  # share of the thrust that a shut valve lets through
+    ("flow_leak", "f8", (MAX_THRUSTERS,)),  # share of the propellant flow that it lets through
+    ("rise", "f8", (MAX_THRUSTERS,)),  # s: that of a slow valve; 0: as built
+    ("decay", "f8", (MAX_THRUSTERS,)),  # s
     # how each thruster fails, 0 for one that works
     ("fault", whole(0, len(THRUSTER_FAILURES)), (MAX_THRUSTERS,)),
 )

@@ -16,7 +16,8 @@ pytest.importorskip("distributed")
 from cluster import impatient_program, scheduler, worker, worker_with_another_numpy
 from forked import Forked, finished
 
-from edl6dof.campaign.engines import Dask
+from edl6dof.campaign.design.plan import load_plan
+from edl6dof.campaign.engines import Dask, dask_engine
 
 
 def begun(folder, campaign, parts=1):
@@ -131,3 +132,41 @@ def test_worker_that_is_no_copy_is_refused(tmp_path):
     assert re.search(
         r"worker tcp://127.0.0.1:\d+ is no copy of this program: numpy: was \S+, is 0.7; ", err
     ), err
+
+
+class Immediate:
+    """A client that flies each task at once; keeps the arguments of the tasks."""
+
+    def __init__(self):
+        self.sent = []
+
+    def submit(self, work, *given, pure):
+        self.sent.append((work.__name__, given))
+        values = [one.value if isinstance(one, SimpleNamespace) else one for one in given]
+        value = work(*values)
+        return SimpleNamespace(value=value, result=lambda timeout: value)
+
+    def nthreads(self):
+        return {"tcp://127.0.0.1:1": 1}
+
+
+def test_plan_is_sent_once_and_not_with_every_task(tmp_path):
+    """Copies of its text in every task stayed in the memory of scheduler and workers: 14 kB a flight."""
+    plan, client = load_plan(write_drop(tmp_path), cases=30), Immediate()
+    rows = list(Dask(client).rows(plan, [(0, 30)]))
+    assert [row["case"] for row in rows] == list(range(30))
+    with_text = [name for name, given in client.sent if plan.text in given]
+    assert with_text == ["_ordered"] and [name for name, _ in client.sent].count("fly_range") == 3
+
+
+def profiles() -> bool:
+    import dask
+
+    return dask.config.get("distributed.worker.profile.enabled")
+
+
+@pytest.mark.exact_start
+def test_workers_keep_no_profile():
+    """They grew by 20 kB with every flight."""
+    with dask_engine(None, 1) as engine:
+        assert list(engine.client.run(profiles).values()) == [False]

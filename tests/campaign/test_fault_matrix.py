@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import in_process
+import numpy as np
 import pytest
 from campaign_run import write_drop
 from forked import Forked
@@ -25,6 +26,7 @@ from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
+from edl6dof.vehicle.faults.instrument import ReadingBiasParams
 
 #: Falls that last a moment: two thrusters, three kinds of fault, four moments.
 WORDS = ("--at", "0.5,every 0.5", "--kinds", "all", "--components", "A1,D3", "--workers", "1")
@@ -122,6 +124,52 @@ def test_plan_written_out_gives_the_same_cells(tmp_path):
     assert again.text == first.text and list(again.cases(500, 520)) == list(first.cases(500, 520))
 
 
+def test_each_reading_of_an_instrument_is_swept_alone_in_equal_ratios():
+    swept = plan(dict(sensors=True, kinds="reading_bias,reading_outage", components="b1,g2", at="60"))
+    faults = [(case.label, case.truth["faults"][0]) for case in swept.cases()]
+    assert [fault["kind"] for _, fault in faults] == ["reading_bias"] * 21 + ["reading_outage"] * 2
+    for names, some in (("rate_deg_s", faults[:7]), ("range_m", faults[7:14]), ("speed_m_s", faults[14:21])):
+        sizes = np.array([fault["reading_bias"][names] for _, fault in some])
+        assert sizes[0] == getattr(ReadingBiasParams(), names)
+        np.testing.assert_allclose(sizes[:-1] / sizes[1:], 10.0 ** (1.0 / 3.0), rtol=5e-3)
+        assert [label["size"] for label, _ in some] == [f"{names}={size:g}" for size in sizes]
+    assert all(fault["reading_bias"]["range_m"] == 0.0 for _, fault in faults[14:21])
+    assert all("size" not in label for label, _ in faults[21:])
+
+
+def test_a_parameter_that_a_kind_of_fault_does_not_have_is_refused(tmp_path):
+    group = "{kind: reading_bias, component: gyro, names: [g1], moments: [{name: b, at: {time_s: 1.0}}], "
+    file = tmp_path / "m.yaml"
+    group += "settings: {reading_bias: {rate_deg: 1.0}}}"
+    file.write_text(f"extends: tianwen1\nfault_matrix: {{groups: [{group}]}}\n")
+    with pytest.raises(ConfigError, match=r"fault_matrix\.groups\.0\.settings\.reading_bias\.rate_deg: "):
+        load_plan(str(file))
+
+
+def test_settings_are_those_of_every_fault_of_the_matrix():
+    settings = "{degraded: {flow_factor: 1.0}, duration_s: 20.0}"
+    some = plan(dict(kinds="degraded", components="D1,D2", at="60", settings=settings))
+    for case, name in zip(some.cases(), ("D1", "D2"), strict=True):
+        [fault] = case.truth["faults"]
+        assert fault["thruster"] == name and fault["duration_s"] == 20.0
+        assert fault["degraded"]["flow_factor"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ("{duration_s: -1}", "fault_matrix.groups.0.settings.duration_s: must be > 0 s (got -1)"),
+        ("{slow: {rise_s: 1}, x: 2}", "fault_matrix.groups.0.settings.x: unknown"),
+        ("12", "--with: must be keys of a fault, such as '{duration_s: 20}' (got 12)"),
+        ("{a: [", "--with: must be keys of a fault"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused_at_their_key(settings, words):
+    with pytest.raises(ConfigError) as caught:
+        plan(dict(components="D1", at="60", settings=settings))
+    assert words in str(caught.value)
+
+
 def test_a_cell_that_cannot_be_is_refused(tmp_path):
     text = """
 fault_matrix:
@@ -212,11 +260,12 @@ def test_interruption_tells_how_to_go_on(here, monkeypatch, owner, name):
 
 @pytest.mark.long
 def test_row_has_the_bits_of_the_same_fault_flown_alone(here):
-    """Among other cells, after another in the same thread."""
-    words = ("--kinds", "stuck_on", "--components", "D5,F3", "--at", "129.5", "--workers", "1", "--out", "m")
-    assert command("faults", "tianwen1", *words)[0] in (0, 1)
+    """Among other cells, after another in the same thread; the fault comes and goes at random."""
+    words = ("--kinds", "stuck_off", "--components", "D5,F3", "--at", "129.5", "--workers", "1", "--out", "m")
+    assert command("faults", "tianwen1", *words, "--with", "{presence: 0.5}")[0] in (0, 1)
     row = Store(Path("m")).table().to_pylist()[1]
-    alone = edl6dof.fly("tianwen1", ["faults=[{thruster: F3, kind: stuck_on, at: {time_s: 129.5}}]"])
+    fault = "{thruster: F3, kind: stuck_off, presence: 0.5, at: {time_s: 129.5}}"
+    alone = edl6dof.fly("tianwen1", [f"faults=[{fault}]"])
     assert row["component"] == "F3" and row["outcome"] == alone.outcome and row["end_s"] == alone.time_s
     assert {name: row[name] for name in alone.figures} == alone.figures
     status, out, _ = command("refly", "m", "1", "--no-replay")

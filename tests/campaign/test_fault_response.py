@@ -93,6 +93,12 @@ def test_times_run_from_the_fault_and_from_the_first_use_after_it():
     assert row["name_right"] and row["kind_right"] and row["peak_attitude_error_deg"] == 5.0
 
 
+def test_use_after_the_end_of_a_fault_cannot_reveal_it():
+    for duration, used in ((20.0, 60.0), (5.0, None)):
+        row = fault_response(made_up(f"{DEAD[:-1]}, duration_s: {duration}}}", used={"D1": (60.0, 62.0)}))
+        assert row["first_use_s"] == used and row["fault_s"] == 50.0
+
+
 def test_what_leaks_is_known_from_the_fault_on():
     row = fault_response(made_up(OPEN))
     assert (row["first_use_s"], row["used_s"], row["regime"]) == (50.0, 40.0, "air")

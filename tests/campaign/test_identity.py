@@ -226,10 +226,10 @@ def test_what_moves_no_bit_is_in_no_identity(tmp_path, monkeypatch):
 def test_worker_of_a_cluster_is_compared_item_by_item(tmp_path, monkeypatch):
     plan = load_plan(write_drop(tmp_path), cases=60)
     ordered = origin.identity(plan)
-    assert [row["case"] for row in engines.fly_range(plan.text, ordered, 20, 22)] == [20, 21]
+    assert [row["case"] for row in engines.fly_range((plan.text, ordered), 20, 22)] == [20, 21]
     monkeypatch.setattr(engines, "_worker", lambda: "tcp://10.0.0.7:4321")
     other = ordered.model_copy(update={"versions": {**ordered.versions, "numpy": "1.0"}, "sources": "f" * 64})
     words = r"worker tcp://10.0.0.7:4321 .*sources of edl6dof: was f{12}, is .*; "
     words += rf"numpy: was 1.0, is {np.__version__}"
     with pytest.raises(OSError, match=words):
-        engines.fly_range(plan.text, other, 0, 1)
+        engines.fly_range((plan.text, other), 0, 1)

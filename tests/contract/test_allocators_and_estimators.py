@@ -9,6 +9,7 @@ from onboard_states import ENTRY, LANDER
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND, share_out
 from edl6dof.fsw.estimation.registry import DISTURBANCE, ESTIMATORS, MEASURED, estimate
+from edl6dof.interface.capacities import MAX_THRUSTERS
 
 
 @pytest.mark.parametrize("index", range(len(ALLOCATORS.members)), ids=ALLOCATORS.names)
@@ -31,7 +32,7 @@ def test_duties_are_bounded_and_repeatable_whatever_is_demanded(shared_onboard, 
         demand["wrench"], demand["translating"], answers = wrench, translating, []
         for _ in range(2):
             found = np.zeros(1, ALLOCATION)[0]
-            update_effectiveness(vehicle, configuration, effectiveness)
+            update_effectiveness(vehicle, configuration, np.zeros(MAX_THRUSTERS), effectiveness)
             given = params, params, vehicle, healthy, effectiveness, demand
             share_out(index, *given, found["method"], found["duty"], found["unallocated"])
             answers.append(found)

@@ -74,7 +74,8 @@ def test_every_parameter_is_documented_bounded_and_has_a_status(family, member):
         literal = any(get_origin(option) is Literal for option in slot.options)
         if family is DISTRIBUTIONS:
             continue  # its numbers have the unit and the bounds of what is dispersed
-        assert literal or bool in slot.options or bounds(slot), f"{path} has no bounds"
+        bounded = bounds(slot) or bounds(slot.child(0) or slot)  # of a vector: its numbers
+        assert literal or bool in slot.options or bounded, f"{path} has no bounds"
 
 
 @each(MEMBERS)

@@ -34,6 +34,9 @@ PRODUCTS = {
 #: Exceptions, each with why it makes no record.
 ALLOWED = {
     "sim/linear.py": "a linear analysis of a flight, which no flight reads",
+    "sim/attitude_loop.py": "a linear analysis of a flight, which no flight reads",
+    "sim/frozen.py": "a frozen flight, which makes no record",
+    "sim/measured_loop.py": "an analysis of a frozen flight, which no flight reads",
     "spatial/rotations.py": "attitudes of pictures",
     "spatial/elementary.py:**": "integers, when the module is imported",
     "scenario/unusual.py:dist": "a warning; no record holds it",

@@ -77,7 +77,7 @@ def allocation(onboard):
     """Demands of any size on the table of thrusters, any one of which is dead."""
     vehicle, params = onboard["vehicle"], onboard["allocation"]
     effectiveness, rng = np.zeros(1, EFFECTIVENESS)[0], np.random.default_rng(1)
-    update_effectiveness(vehicle, 0b111, effectiveness)
+    update_effectiveness(vehicle, 0b111, np.zeros(MAX_THRUSTERS), effectiveness)
     count = int(vehicle["n_thrusters"])
     for dead in range(count):
         found, demand, healthy = np.zeros(1, ALLOCATION)[0], np.zeros(1, DEMAND)[0], np.ones(32, "i8")

@@ -72,7 +72,7 @@ def test_promised_bounds_hold(nominal, figure, bound):
 def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(nominal):
     """S1 section 7: nearly 20 deg and nearly 15 deg/s, on the mean of neighbouring flights, two-sidedly."""
     published = nominal.scenario.published
-    means = sample_means(fly_neighbours(nominal.loaded, 4), published)
+    means = sample_means(fly_neighbours(nominal.loaded, 12), published)
     for figure, flown in published_figures(published):
         if figure.name in ("max_attitude_error_powered_deg", "max_rate_powered_deg_s"):
             mean = means[figure.name]

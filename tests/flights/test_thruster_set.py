@@ -9,6 +9,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATION, DEMAND
 from edl6dof.fsw.vehicle_state import HEALTH
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE
 from edl6dof.scenario.onboard import believe
 from edl6dof.scenario.records import build_tables
@@ -46,7 +47,7 @@ def test_thrust_and_torque_are_shared_out_together(torque):
     onboard = believe(loaded.scenario, build_tables(loaded.scenario))[0]
     effectiveness, demand, out = (np.zeros(1, kind)[0] for kind in (EFFECTIVENESS, DEMAND, ALLOCATION))
     bare = (1 << len(loaded.scenario.vehicle.parts)) - 1
-    update_effectiveness(onboard["vehicle"], bare, effectiveness)
+    update_effectiveness(onboard["vehicle"], bare, np.zeros(MAX_THRUSTERS), effectiveness)
     demand["wrench"][0], demand["wrench"][3:] = -1700.0, torque
     demand["groups"] = 1 << AXIAL | 1 << ATTITUDE | 1 << FINE
     demand["boosting"] = 1

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from live_page import opened, wait_until_it_plays
 
-from edl6dof.api.replays import _ended_by_signals
+from edl6dof.api.replays import ended_by_signals
 from edl6dof.replay.browser import PageServer, page
 
 ROOT = Path(__file__).parents[2]
@@ -156,7 +156,7 @@ def test_other_ends_are_as_ctrl_c(name):
     number = getattr(signal, name)
     before = signal.signal(number, signal.SIG_DFL)
     try:
-        with pytest.raises(KeyboardInterrupt), _ended_by_signals():
+        with pytest.raises(KeyboardInterrupt), ended_by_signals():
             signal.raise_signal(number)
         assert signal.getsignal(number) is signal.SIG_DFL
     finally:

@@ -53,6 +53,23 @@ def results(rows):
     return SimpleNamespace(has_faults=True, table=table_of(rows))
 
 
+def test_largest_effect_is_that_of_faults_in_use_that_were_not_named():
+    sized = dict(kind="reading_bias", use=0.0, success=True)
+    effect = "touchdown_nav_velocity_m_s"
+    rows = [
+        row(0, "b1", "10 s", size="speed_m_s=0.2", **sized, **{effect: 0.3}),
+        row(1, "b2", "10 s", size="speed_m_s=0.1", **(sized | {"success": False}), **{effect: -0.4}),
+        row(2, "b1", "10 s", size="speed_m_s=2", isolation=1.0, **sized, **{effect: 9.0}, **FOUND),
+        row(3, "b1", "10 s", size="speed_m_s=5", **(sized | {"use": None}), **{effect: 9.0}),
+        row(4, "b1", "10 s", size="range_m=5", isolation=1.0, **sized, **FOUND),
+        row(5, "b1", "10 s", **sized),
+    ]
+    speed, range_ = fault_figures(table_of(rows).to_pylist())["undetected"]
+    assert (speed["parameter"], speed["flights"], speed["undetected"]) == ("speed_m_s", 3, 2)
+    assert (speed["largest"], speed[effect], speed["not_within_limits"]) == (0.2, 0.4, 1)
+    assert (range_["undetected"], range_["largest"], range_[effect]) == (0, None, None)
+
+
 def test_shares_are_of_what_can_be_known_and_times_of_what_is_right():
     figures = fault_figures(table_of(ROWS).to_pylist())
     every, (air, powered, neither) = figures["all"], figures["groups"]

@@ -18,10 +18,10 @@ from math import comb
 from typing import Any, get_args
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from edl6dof.campaign.design.distributions import DistributionParams, deviates
-from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultMatrixParams
+from edl6dof.campaign.design.sections import CampaignParams, Correlated, FaultGroup, FaultMatrixParams
 from edl6dof.campaign.row_columns import Of
 from edl6dof.config.base import stated
 from edl6dof.config.document.document import Document
@@ -29,7 +29,8 @@ from edl6dof.config.document.overrides import ensure_path
 from edl6dof.config.document.yamltree import Keys
 from edl6dof.config.errors import ConfigError, Problem
 from edl6dof.config.model_paths import Slot, bounds, root_slot, value_at
-from edl6dof.config.refused import REFUSED, NotKnown
+from edl6dof.config.refused import REFUSED, NotKnown, steps
+from edl6dof.config.validate import validate
 from edl6dof.config.wording import counted, in_bounds
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import truth_problem
@@ -223,10 +224,10 @@ def _fault_problems(data: dict[str, Any], locator: Locator) -> Iterator[tuple[Ke
     """Yield the problems of a fault written as under ``faults:``, as paths inside it and messages."""
     scenario = locator.loaded.scenario
     try:
-        fault = FaultParams.model_validate(data)
-    except ValidationError as error:
-        for item in error.errors(include_url=False):
-            yield item["loc"], item["msg"]
+        fault = validate(FaultParams, Document(data))
+    except ConfigError as error:
+        for problem in error.problems:
+            yield steps(problem.path), problem.message
         return
     for key, message in fault_problems([fault], scenario.components, scenario.phase_names).items():
         yield tuple(key.split(".")[2:]), message
@@ -257,11 +258,19 @@ class Cell:
 def cells(matrix: FaultMatrixParams) -> Iterator[Cell]:
     """Yield the cells of a fault matrix: for each group its moments, for each moment its components."""
     for group in matrix.groups:
+        sizes = group.settings.get(group.kind, {})
+        size = ", ".join(f"{name}={value:g}" for name, value in sizes.items() if value != 0.0)
         for moment in group.moments:
             at = moment.at.model_dump(exclude_none=True)
             for names in combinations(group.names, matrix.together):
-                faults = tuple({group.component: name, "kind": group.kind, "at": at} for name in names)
-                yield Cell(faults, {"component": AND.join(names), "kind": group.kind, "moment": moment.name})
+                faults = tuple(_fault(group, name, at) for name in names)
+                label = {"component": AND.join(names), "kind": group.kind, "moment": moment.name}
+                yield Cell(faults, {**label, "size": size} if size else label)
+
+
+def _fault(group: FaultGroup, name: str, at: dict[str, Any]) -> dict[str, Any]:
+    """Fault of a component of a group, as written under ``faults:``; ``at``: when it begins."""
+    return {**group.settings, group.component: name, "kind": group.kind, "at": at}
 
 
 def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> None:
@@ -279,6 +288,6 @@ def check_matrix(matrix: FaultMatrixParams, vehicles: int, locator: Locator) -> 
             locator.refuse(place, f"names {len(group.names)} of the {matrix.together} that fail together")
         for k, moment in enumerate(group.moments):
             for name in group.names if k == 0 else group.names[:1]:
-                data = {group.component: name, "kind": group.kind, "at": moment.at.model_dump()}
-                for _, message in _fault_problems(data, locator):
-                    locator.refuse(place, message)
+                for keys, message in _fault_problems(_fault(group, name, moment.at.model_dump()), locator):
+                    own = keys and keys[0] in group.settings
+                    locator.refuse((*place, "settings", *keys) if own else place, message)

@@ -198,6 +198,9 @@ class FaultGroup(Params):
     kind: str = param(REQUIRED, "kind of fault")
     component: Component = param(REQUIRED, "kind of component that fails")
     names: list[str] = param(REQUIRED, "components that fail, one after the other", min_length=1)
+    settings: dict[str, Any] = param(
+        None, "other keys of each fault, as in the section faults of a scenario", factory=dict
+    )
     moments: list[FaultMoment] = param(REQUIRED, "moments at which they fail", min_length=1)
 
 

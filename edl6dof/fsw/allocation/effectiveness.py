@@ -1,7 +1,8 @@
-"""Thruster effectiveness: force and torque of each thruster at full thrust, and a test of whether the fine
-thrusters suffice for a demand.
+"""Thruster effectiveness: force and torque of each thruster at full duty, less a known loss of its thrust,
+and a test of whether the fine thrusters suffice for a demand.
 
-This module is geometry only; the allocator distributes the demand.
+The allocator distributes the demand.  Estimation, diagnosis and modulation use the same effectiveness, so a
+known loss is neither a disturbance nor a fault to them.
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ ROWS = 6  # force x, y, z; torque x, y, z
 NO_TORQUE = 1e-9  # N m: a demand up to this counts as none
 
 EFFECTIVENESS = record(
-    # N and N m, B: force, and torque about the centre of mass, of each thruster at full thrust
+    # N and N m, B: force, and torque about the centre of mass, of each thruster at full duty
     ("matrix", "f8", (MAX_THRUSTERS, ROWS)),
     ("of", whole(0, 2**MAX_PARTS)),  # number of its configuration, plus one; 0: not computed yet
+    ("loss", "f8", (MAX_THRUSTERS,)),  # share of the thrust that each is known to have lost
     ("mark", "f8"),  # checksum of the matrix: derived values are invalid once it changes
 )
 
@@ -39,15 +41,22 @@ def effectiveness_matrix(thrusters, count, centre, matrix):
 
 
 @kernel
-def update_effectiveness(vehicle, configuration, effectiveness):
-    """Compute the effectiveness again when the configuration, and so the centre of mass, has changed."""
-    if effectiveness.of != configuration + 1:
+def update_effectiveness(vehicle, configuration, loss, effectiveness):
+    """Compute the effectiveness again when the configuration, and so the centre of mass, or the known
+    ``loss`` of a thruster (share of its thrust) has changed.
+    """
+    changed = effectiveness.of != configuration + 1
+    for i in range(vehicle.n_thrusters):
+        changed = changed or effectiveness.loss[i] != loss[i]
+    if changed:
         effectiveness.of = configuration + 1
         centre = take3(vehicle.configuration[configuration].centre, 0)
         effectiveness_matrix(vehicle.thrusters, vehicle.n_thrusters, centre, effectiveness.matrix)
         effectiveness.mark = 0.0
         for i in range(vehicle.n_thrusters):
+            effectiveness.loss[i] = loss[i]
             for row in range(ROWS):
+                effectiveness.matrix[i, row] *= 1.0 - loss[i]
                 effectiveness.mark += (ROWS * i + row + 1.0) * effectiveness.matrix[i, row]
 
 

@@ -10,9 +10,6 @@ The vehicle trims its angle of attack and sideslip aerodynamically: only their r
 error is fed back only beyond a limit. In a phase with ``hold_alpha``, as after a trim wing that did not open
 (section 4.3), the angle of attack is controlled to its goal: the thrusters hold it against the trim moment of
 the centre-of-mass offset, so that the parachute can open.
-
-Margins of the bank loop with the gains of the Tianwen-1 scenario (``tools/attitude_margins.py``):
-crossover 2.8 rad/s, phase margin 68 deg, gain margin 28 dB up and 19 dB down.
 """
 
 from __future__ import annotations

@@ -2,9 +2,6 @@
 the local geographic frame.
 
 Source: Hu et al. 2022, section 5.
-
-Margins of the roll loop with the gains of the Tianwen-1 scenario (``tools/attitude_margins.py``):
-crossover 2.0 rad/s, phase margin 67 deg, gain margin 32 dB up and any gain down.
 """
 
 from __future__ import annotations

@@ -2,14 +2,15 @@
 
 The confidence is the posterior probability of a hypothesis among all others and "no thruster has failed",
 whose prior is the price of a false alarm; a fault is isolated when the confidence is high in several cycles
-in a row. A dead thruster is then not used any more; a thruster that has lost little thrust is reported and
-stays in use. A thruster that stays open is shut off by the latch valve of its branch, and the other thrusters
-of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the latch valve is
-moved when force and torque show the opening of a valve, and before a thruster that does not respond is
-isolated: it may be stuck open or closed.
+in a row. A dead thruster is then not used any more; a weak one stays in use, and allocation, estimation and
+diagnosis allow for its loss. A thruster that stays open is shut off by the latch valve of its branch, and the
+other thrusters of the branch with it (:mod:`edl6dof.fsw.diagnosis.leak_isolation`). Without a flow meter the
+latch valve is moved when force and torque show the opening of a valve, and before a thruster that does not
+respond is isolated: it may be stuck open or closed.
 
 Source: Hu et al. 2022, section 6.3, for the horizontal thrusters in hazard avoidance; here for every thruster
-in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful.
+in every phase. Left out: a fault of a thruster that is not used, which is neither visible nor harmful; the
+return of a thruster whose fault has ended.
 """
 
 from __future__ import annotations
@@ -86,10 +87,13 @@ class DiagnosisParams(Params):
     confidence: float = param(0.999, "confidence at which a thruster is isolated", gt=0.5, lt=1.0)
     streak: int = param(2, "consecutive cycles in which the confidence must be reached", ge=1, le=50)
     loss_least: float = param(
-        0.3, "fraction of thrust lost from which a thruster is not used any more", gt=0.0, le=1.0
+        0.3, "fraction of thrust lost from which force and torque isolate a thruster", gt=0.0, le=1.0
     )
     loss_dead: float = param(
-        0.85, "fraction of thrust lost from which a thruster counts as stuck off", gt=0.0, le=1.0
+        0.85,
+        "fraction of thrust lost from which a thruster counts as stuck off and is not used any more",
+        gt=0.0,
+        le=1.0,
     )
     onset: float = param(
         5.0, "evidence of an opening valve from which the latch valve of its branch is moved", gt=0.0
@@ -133,6 +137,7 @@ class DiagnosisSignals(NamedTuple):
         t: present time, s.
         dt: control cycle, s.
         healthy: updated, 0 for a thruster out of use.
+        loss: updated, share of the thrust that a thruster in use has lost, allowed for in ``effectiveness``.
     """
 
     vehicle: Any
@@ -146,10 +151,11 @@ class DiagnosisSignals(NamedTuple):
     t: Any
     dt: Any
     healthy: Any
+    loss: Any
 
 
 #: The signals that diagnosis writes.
-WRITES = ("healthy",)
+WRITES = ("healthy", "loss")
 
 
 @kernel
@@ -178,12 +184,17 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little thrust, and take it out of use unless its loss is small."""
-    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
-    if kind == DEGRADED and loss < params.loss_least:
-        memory.flow.known_loss[i] = loss
+    """Record a thruster that gives too little thrust. A dead one is taken out of use; the loss of a weak one
+    is allowed for from now on, in the expected flow only if its meter has shown it.
+    """
+    left, flow = 1.0 - loss, memory.flow
+    if kind == DEGRADED:
+        signals.loss[i] = 1.0 - left * (1.0 - signals.loss[i])
+        if flow.off[i].cycles > 0:
+            flow.known_loss[i] = 1.0 - left * (1.0 - flow.known_loss[i])
     else:
         signals.healthy[i] = 0
+    record_fault(signals.vehicle, i, kind, loss, confidence, t=signals.t, memory=memory)
 
 
 @kernel
@@ -231,7 +242,8 @@ def continue_leak_isolation(params, signals, memory):
         reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         leak.branch = NONE
         memory.streak = 0
-        if best.kind == STUCK_OFF or best.kind == DEGRADED:  # not suspected of leaking, or voided by an event
+        # not suspected of leaking, or voided by an event
+        if leak.metered == 0 and (best.kind == STUCK_OFF or best.kind == DEGRADED):
             isolate_most_probable(params, signals, memory)
 
 
@@ -288,8 +300,8 @@ def diagnose(params, signals, memory):
         # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
         # thruster that does not respond has failed in any case
         no_loss = best.kind == STUCK_ON or best.kind == NOTHING
-        doubt = 1.5 * params.prior if no_loss else 0.0
-        start_leak_isolation(signals, leaking, metered_leak, doubt, memory=memory.leak)
+        doubt, flowing = 1.5 * params.prior if no_loss else 0.0, flow.residual[leaking]
+        start_leak_isolation(signals, leaking, metered_leak, flowing, doubt=doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and settled:

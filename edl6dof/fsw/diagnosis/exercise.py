@@ -93,17 +93,19 @@ WRITES = ()
 
 @kernel
 def opposite(effectiveness, count, i):
-    """Return the thruster whose lateral force and torque cancel those of ``i`` to a tenth, or ``NONE``."""
-    own = 0.0
+    """Return the thruster whose lateral force and torque cancel those of ``i`` best, at least to a third (it
+    may have a known loss), or ``NONE``.
+    """
+    found, least = NONE, 0.0
     for row in range(1, 6):
-        own += effectiveness[i, row] * effectiveness[i, row]
+        least += 0.1 * effectiveness[i, row] * effectiveness[i, row]
     for j in range(count):
         both = 0.0
         for row in range(1, 6):
             both += (effectiveness[i, row] + effectiveness[j, row]) ** 2
-        if both < 0.01 * own:
-            return j
-    return NONE
+        if both < least:
+            found, least = j, both
+    return found
 
 
 @kernel

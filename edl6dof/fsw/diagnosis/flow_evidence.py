@@ -21,8 +21,8 @@ cycle in which a meter or a thruster fails, the flow is a fraction of the expect
 may equal the flow of any thruster. A meter that reads the flow of the others works; if they show the same
 loss, the meter or the latch valve has failed. The thrusters of the branch are then tested alone until force
 and torque distinguish these two, and stay in use until then. No valve causes a negative reading, or a flow at
-rest that is smaller than that of an open valve: a meter with such readings has failed, and while it is
-suspected, its readings are no evidence of a loss.
+rest that is smaller than that of an open valve, unless it leaks. While a meter reads such a flow, its
+readings are no evidence of a loss; closing the latch valve distinguishes a leak from a failed meter.
 
 Source: Basseville & Nikiforov 1993, sections 2.2 and 4.3; Hu et al. 2022, section 6.3, diagnose by force and
 torque alone.
@@ -50,7 +50,7 @@ SURE = 900.0  # inverse variance of the loss of a branch from which it counts: s
 LEAST_BRANCHES = 3  # branches that must show a loss before it is attributed to the propellant
 METER_ERROR = 6.0  # standard deviations of a meter from which a reading is no error of a zero flow
 LEAST_OPEN = 0.5  # least flow of an open valve, over that of the smallest thruster of the branch
-MOST_UNEXPLAINED = 3  # cycles of rest in a row with a smaller flow: the meter has failed
+MOST_UNEXPLAINED = 3  # cycles of rest in a row with a smaller flow: a valve leaks, or the meter has failed
 NONE = -1
 #: Check of a meter by the other thrusters of a branch in which one shows a loss: open; the meter reads their
 #: flow; it shows the same loss for them.
@@ -96,7 +96,7 @@ FLOW = record(
     ("seen", COUNT),  # branches whose loss is known well enough
     ("suspecting", FLAG),  # a thruster shows a loss
     ("common", "f8"),  # fraction of flow that all branches lack
-    ("known_loss", "f8", (MAX_THRUSTERS,)),  # fraction lost by degraded thrusters that stay in use
+    ("known_loss", "f8", (MAX_THRUSTERS,)),  # fraction of flow lost by degraded thrusters that stay in use
     ("shows_loss", FLAG, (MAX_BRANCHES,)),  # whether a thruster of each branch shows a loss
     # check of each meter by the other thrusters
     ("meter_check", whole(UNCHECKED, CONTRADICTED), (MAX_BRANCHES,)),
@@ -188,11 +188,10 @@ def least_flow(vehicle, b):
 
 @kernel
 def impossible_meter(metered, branches, memory):
-    """Return the first branch whose trusted meter reads a flow that no valve explains, or ``NONE``."""
+    """Return the first branch whose trusted meter reads a negative flow, or ``NONE``."""
     for b in range(branches.count):
         flow = memory.residual[b] + memory.expected[b]
-        backwards = flow < 0.0 and is_impossible(b, flow, memory)
-        if is_read(metered, b, memory) and (backwards or memory.unexplained_rest[b] >= MOST_UNEXPLAINED):
+        if is_read(metered, b, memory) and flow < 0.0 and is_impossible(b, flow, memory):
             return b
     return NONE
 

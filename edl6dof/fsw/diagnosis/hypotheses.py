@@ -28,8 +28,8 @@ whose signature is the sum of those of its thrusters.
 One failed meter, or one latch valve stuck shut, is thus more likely by P than two failed thrusters; between a
 meter and a thruster or branch, force and torque decide.
 
-Evidence of force and torque for a loss without a loss of flow means a failed catalyst; it is reduced by P /
-2.
+Evidence of force and torque for a loss without a loss of flow means a bad catalyst; where flow is missing
+too, it means a second fault, of the meter, and costs P more.
 
 Source: signatures from Hu et al. 2022, section 6.3, extended to all thrusters; likelihood ratio and Page's
 test from Basseville & Nikiforov 1993, sections 2.2 and 4.3; posterior odds: Bayes' theorem for faults that
@@ -171,7 +171,7 @@ def evidence(sums, size):
 
 @kernel
 def update_evidence(params, signals, residual, flow, memory):
-    """Add one cycle to the evidence of every hypothesis with a prediction. Where there are meters, a loss
+    """Add one cycle to the evidence of every hypothesis with a prediction. Where flow is missing, a loss
     counts only while the thruster fires alone in its branch, so that force, torque and flow use the same
     cycles.
 
@@ -187,8 +187,9 @@ def update_evidence(params, signals, residual, flow, memory):
     for i in range(vehicle.n_thrusters):
         if residual.idle[i] >= TAPS or signals.healthy[i] == 0:
             continue
-        if signals.metered:
-            expected = flow.expected[vehicle.branches.of[i]]
+        b = vehicle.branches.of[i]
+        if signals.metered and flow.shows_loss[b] != 0:
+            expected = flow.expected[b]
             if expected > 0.0 and not fires_alone(expected, share[i] * full_flow(vehicle.thrusters[i])):
                 continue
         residual.signature[:] = 0.0
@@ -319,9 +320,13 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
     and torque; :func:`.leak_isolation.leaking_branch` finds open valves by the flow. A meter that reads an
     impossible flow at rest gives no evidence.
     """
-    # while the flow shows a loss, force and torque do not restart
-    loss, lost = loss_evidence(params, memory.off[i], least, flow.off[i].cycles == 0)
-    kind, lost = kind_of(params, loss), lost - 0.5 * params.prior
+    # a bad catalyst loses no flow: where flow is missing too, the meter would have to have failed as well;
+    # then force and torque do not restart
+    flows = flow.off[i].cycles == 0
+    loss, lost = loss_evidence(params, memory.off[i], least, flows)
+    kind = kind_of(params, loss)
+    if flow.suspecting != 0:  # a loss of flow here or elsewhere would be a second fault
+        lost -= params.prior
     if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
         lost = 0.0
     less, by_flow = confirmed_loss(params.flow, flow.common, flow.off[i])

@@ -7,7 +7,8 @@ the thrust of a leak follows it, that of air and riser does not. The movements g
 branch a known signature in the whitened residual, and hence evidence as in
 :mod:`edl6dof.fsw.diagnosis.hypotheses`; each movement adds to it, and the test goes on until it decides.
 
-If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again.
+If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again; so it
+is if the meter reads none while the branch is open, as when a slow valve has shut at last.
 Without a meter, a leak is suspected when force and torque show that a valve opens, and of any thruster that
 does not respond; the branch is used again if nothing changes when it is closed. Where a shock (a separation,
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
@@ -19,7 +20,14 @@ technique of measurement.
 
 from __future__ import annotations
 
-from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, NONE, is_impossible, is_read
+from edl6dof.fsw.diagnosis.flow_evidence import (
+    LARGEST,
+    MOST_UNEXPLAINED,
+    NONE,
+    full_flow,
+    is_impossible,
+    is_read,
+)
 from edl6dof.fsw.diagnosis.hypotheses import (
     SUMS,
     add_innovation,
@@ -49,6 +57,7 @@ LEAK = record(
     ("candidate", FLAG, (MAX_THRUSTERS,)),  # thrusters of the branch that were in use
     ("metered", FLAG),  # a meter shows that one of them leaks
     ("doubt", "f8"),  # without a meter, log prior odds that none leaks
+    ("size", "f8", (MAX_THRUSTERS,)),  # thrust of each if it leaks, share of the full thrust
     ("open", FLAG),  # the latch valve is open
     ("cycles", COUNT),  # since the latch valve moved
     ("looks", COUNT),
@@ -68,12 +77,18 @@ LEAK = record(
 
 @kernel
 def leaking_branch(params, vehicle, healthy, flow):
-    """Return the branch with the most evidence for a flow that was not commanded, or ``NONE``."""
+    """Return the branch with the most evidence for a flow that was not commanded, else one with a small leak,
+    or ``NONE``.
+    """
     found, most = NONE, params.prior
     for i in range(vehicle.n_thrusters):
         b = vehicle.branches.of[i]
-        if healthy[i] != 0 and flow.on[i] > most and flow.meter_failed[b] == 0:
+        if healthy[i] == 0 or flow.meter_failed[b] != 0:
+            continue
+        if flow.on[i] > most:
             found, most = b, flow.on[i]
+        elif found == NONE and flow.unexplained_rest[b] >= MOST_UNEXPLAINED:
+            found = b
     return found
 
 
@@ -120,9 +135,9 @@ def branch_to_verify(params, signals, residual, flow, memory):
 
 
 @kernel
-def start_leak_isolation(signals, b, metered, doubt, memory):
-    """Take branch ``b`` out of use to isolate a leak, and close it if its meter shows the leak (``metered``);
-    ``doubt``: otherwise the log prior odds that no thruster leaks.
+def start_leak_isolation(signals, b, metered, leak, doubt, memory):
+    """Take branch ``b`` out of use to isolate a leak, and close it if its meter shows the leak (``metered``),
+    of the flow ``leak`` (kg/s); ``doubt``: otherwise the log prior odds that no thruster leaks.
     """
     vehicle, healthy = signals.vehicle, signals.healthy
     memory.metered, memory.doubt = 1 if metered else 0, doubt
@@ -133,6 +148,7 @@ def start_leak_isolation(signals, b, metered, doubt, memory):
         forget(memory.sums[i])
         on_branch = vehicle.branches.of[i] == b
         memory.candidate[i] = 1 if on_branch and healthy[i] != 0 else 0
+        memory.size[i] = min(leak / full_flow(vehicle.thrusters[i]), 1.0) if metered else 1.0
         if on_branch:
             healthy[i] = 0
     memory.latch_closed[b] = 1 - memory.open
@@ -163,7 +179,7 @@ def most_probable(count, memory):
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            found = memory.found[i] + evidence(memory.sums[i], 1.0)
+            found = memory.found[i] + evidence(memory.sums[i], memory.size[i])
             memory.found[i] = found
             forget(memory.sums[i])
             if found > most:
@@ -195,8 +211,11 @@ def step_leak_isolation(params, signals, flow, residual, memory):
     if MIXED < memory.cycles <= MIXED + LOOK:
         memory.flow += (flow.residual[b] + flow.expected[b]) / LOOK
     if memory.cycles == MIXED + LOOK:
-        if memory.open == 0 and is_impossible(b, memory.flow, flow):
+        flows = is_impossible(b, memory.flow, flow)
+        if memory.open == 0 and flows:
             return METER_FAILED, 1.0
+        if memory.open != 0 and memory.metered != 0 and not flows:
+            return HEALTHY, 1.0
         if memory.looks < LEAST_LOOKS or not changes(WINDOW, residual):
             memory.looks += 1  # of those while forces change none is the last
         most, confidence = most_probable(count, memory)

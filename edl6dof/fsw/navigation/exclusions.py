@@ -1,4 +1,4 @@
-"""Exclusion of radar beams and of the star tracker as failed, and the log of all exclusions.
+"""Exclusion of radar beams as failed, and the log of all exclusions.
 
 Each use of a radar measurement by the filter, a look, reports the ranges and speeds that the filter refused
 (``SOLUTION.ranges_refused``, ``speeds_refused``). Ranges and speeds are monitored separately: terrain of an
@@ -7,10 +7,6 @@ the solution is wrong, or dust hides the ground from all beams. The score of a r
 refused and falls by one when it is not; at the limit the reading is excluded, and after a long agreement with
 the filter it is used again. A beam without an echo in many looks in a row, while most others have one, is
 excluded as well.
-
-The star tracker is excluded after a long time without a fix although the vehicle is above the atmosphere,
-turns slowly, and the event that ends the view of the stars has not been requested; the next fix brings it
-back.
 
 The log lists, in the order of time, each instrument that is excluded or used again by ``INSTRUMENT_HEALTH``,
 and the inertial unit as out of use while too few gyros are in range for the rate.
@@ -22,13 +18,12 @@ from __future__ import annotations
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import locked_beams
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_TRACKERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import cos
-from edl6dof.spatial.frames import geodetic
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import dot, norm, scale, take3, take4, unit
+from edl6dof.spatial.vector import dot, scale, take3, take4, unit
 
 
 class BeamWatchParams(Params):
@@ -110,51 +105,12 @@ def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
             healthy[i] = 1
 
 
-#: Body rate, over the largest rate of the star tracker, up to which a fix is expected.
-_SLOWLY = 0.8
-
-
-class StarWatchParams(Params):
-    """Exclusion of the star tracker."""
-
-    enabled: bool = param(True, "whether the star tracker is excluded")
-    patience_s: float = param(
-        2.0, "time without an expected fix after which the star tracker is excluded", gt=0.0, le=1e4
-    )
-    margin_m: float = param(
-        500.0, "margin above the lowest altitude of star fixes from which one is expected", ge=0.0, le=1e6
-    )
-
-
-STAR_WATCH = record(("without", "f8"))  # s: duration without an expected fix
-
-
-@kernel
-def watch_stars(params, planet, instruments, requested, stars, motion, solution, health, memory):
-    """Exclude the star tracker, or use it again, after the cycle of ``motion``; ``requested``: flags of the
-    events of the mission that have been requested.
-    """
-    if params.enabled == 0 or instruments.star_sigma == 0.0:
-        return
-    if instruments.star_until > 0 and requested[instruments.star_until - 1] != 0:
-        return
-    if stars.valid != 0:
-        memory.without, health.star_tracker = 0.0, 1
-        return
-    slow = norm(take3(motion.rate, 0)) < _SLOWLY * instruments.star_rate
-    _, _, _, _, altitude = geodetic(planet.equatorial_radius, planet.flattening, take3(solution.r_I, 0))
-    if slow and altitude > instruments.star_lowest + params.margin:
-        memory.without += motion.dt
-        if memory.without > params.patience:
-            health.star_tracker = 0
-
-
-#: Numbers in the log: first gyro, first accelerometer, first beam, star tracker, inertial unit.
+#: Numbers in the log: first gyro, first accelerometer, first beam, first star tracker, inertial unit.
 GYROS = 0
 ACCELEROMETERS = GYROS + MAX_GYROS
 BEAMS = ACCELEROMETERS + MAX_ACCELEROMETERS
 STAR_TRACKER = BEAMS + MAX_BEAMS
-INERTIAL_UNIT = STAR_TRACKER + 1
+INERTIAL_UNIT = STAR_TRACKER + MAX_TRACKERS
 #: Capacity of the log.
 MAX_CHANGES = 32
 
@@ -179,7 +135,8 @@ def note_changes(instruments, t, health, motion, memory):
         _note(t, ACCELEROMETERS + i, health.accelerometer[i], memory)
     for i in range(instruments.n_beams):
         _note(t, BEAMS + i, health.beam_range[i] & health.beam_speed[i], memory)
-    _note(t, STAR_TRACKER, health.star_tracker, memory)
+    for i in range(instruments.n_trackers):
+        _note(t, STAR_TRACKER + i, health.star_tracker[i], memory)
     _note(t, INERTIAL_UNIT, motion.rate_known, memory)
 
 

@@ -27,7 +27,8 @@ INSTRUMENTS = record(
     ("accelerometer_bias", "f8"),  # m/s2: standard deviation at the start
     ("accelerometer_bias_walk", "f8"),  # m/s2/sqrt(s)
     ("accelerometer_scale", "f8"),  # standard deviation of scale factor and misalignment, over the force
-    # star tracker
+    # star trackers
+    ("n_trackers", "i8"),
     ("star_sigma", "f8"),  # rad, about each axis: noise of a fix
     ("star_bias", "f8"),  # rad, B, about each axis: error common to all fixes
     ("star_lowest", "f8"),  # m: altitude below which it sees no stars

@@ -78,7 +78,7 @@ def recover(params, onboard, health, sensed, motion, memory, solution):
 @kernel
 def _look_for_gravity(params, onboard, health, sensed, motion, memory, solution):
     """Run a cycle of :func:`recover` while the attitude is lost and the rate is known."""
-    if sensed.stars.valid != 0:
+    if motion.fixes > 0:
         adopt_attitude(sensed, motion, solution)
         memory.lost = 0
         return

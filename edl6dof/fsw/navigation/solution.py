@@ -4,11 +4,11 @@ estimate.
 
 from __future__ import annotations
 
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_TRACKERS
 from edl6dof.records import FLAG, record, whole
 
 #: Motion of the body over the cycle between the last two readings of the inertial unit, all instruments taken
-#: together, less the believed biases, referred to the centre of mass.
+#: together, less the believed biases, referred to the centre of mass; and the present star fix.
 MOTION = record(
     ("dt", "f8"),  # s: of the cycle
     ("angle", "f8", (3,)),  # rad, B: integral of the rate
@@ -19,6 +19,10 @@ MOTION = record(
     ("centre", "f8", (3,)),  # m, B: believed centre of mass
     ("rate_known", FLAG),  # enough gyros read within their range
     ("force_known", FLAG),  # enough accelerometers read within their range
+    # star fix of the cycle: mean of the star trackers in use
+    ("fix_q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
+    ("fix_doubt", "f8"),  # rad2: additional variance about each axis, as two star trackers disagree
+    ("fixes", whole(0, MAX_TRACKERS)),  # number of star trackers of which it is the mean; 0: there is none
 )
 
 #: The navigation solution: state of the centre of mass at the time of the last reading.
@@ -56,7 +60,7 @@ INSTRUMENT_HEALTH = record(
     ("accelerometer", FLAG, (MAX_ACCELEROMETERS,)),  # in use (1) or excluded as failed (0)
     ("beam_range", FLAG, (MAX_BEAMS,)),  # range of the beam in use (1) or excluded (0)
     ("beam_speed", FLAG, (MAX_BEAMS,)),  # speed along the beam in use (1) or excluded (0)
-    ("star_tracker", FLAG),  # in use (1) or excluded as failed (0)
+    ("star_tracker", FLAG, (MAX_TRACKERS,)),  # in use (1) or excluded as failed (0)
 )
 
 #: Output of navigation to the rest of the flight software, extrapolated to the time of the cycle.

@@ -97,11 +97,10 @@ def align(planet, t, sensed, motion, solution):
 
 @kernel
 def adopt_attitude(sensed, motion, solution):
-    """Set the attitude to that of the star tracker, turned back to the time of the solution."""
-    stars = sensed.stars.q_I2B
+    """Set the attitude to that of the star fix, turned back to the time of the solution."""
     back = scale(solution.t - sensed.t, take3(motion.rate, 0))
-    q = turn_by(take4(stars), back)
-    put4(solution.q_I2B, q)
+    put4(solution.q_I2B, turn_by(take4(motion.fix_q_I2B), back))
+    solution.new_attitude_variance = motion.fix_doubt
 
 
 @kernel

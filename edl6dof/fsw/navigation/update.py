@@ -5,10 +5,8 @@ from __future__ import annotations
 from edl6dof.fsw.navigation.exclusions import (
     BEAM_WATCH,
     EXCLUSIONS,
-    STAR_WATCH,
     note_changes,
     watch_beams,
-    watch_stars,
 )
 from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
 from edl6dof.fsw.navigation.gyro_gaps import GAP_SMOOTHING, smooth_gap
@@ -16,6 +14,7 @@ from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_r
 from edl6dof.fsw.navigation.integrity import INTEGRITY, check_integrity
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
+from edl6dof.fsw.navigation.star_fixes import STAR_WATCH, read_stars
 from edl6dof.fsw.navigation.strapdown import align, gravity_I, integrate, turn_by
 from edl6dof.kernels import kernel
 from edl6dof.records import record
@@ -80,8 +79,11 @@ def navigate(filters, onboard, state, sensed, memory):
             health=memory.health, memory=memory.inertial, motion=motion,
         )  # fmt: skip
         put3(memory.estimate.imu_gain_B, 0, add(take3(memory.estimate.imu_gain_B, 0), take3(motion.gain, 0)))
+    read_stars(
+        onboard, state.requested, sensed, solution, memory.health, memory=memory.star_watch, motion=motion
+    )
     if solution.started == 0:
-        if sensed.tracking.fresh != 0 and sensed.stars.valid != 0:
+        if sensed.tracking.fresh != 0 and motion.fixes > 0:
             align(onboard.planet, memory.inertial.t, sensed, motion, solution)
             put3(memory.centre, 0, centre)
             start_filter(params.filter, params, onboard, sensed, solution, memory=memory.filter)
@@ -103,26 +105,15 @@ def navigate(filters, onboard, state, sensed, memory):
             solution=solution,
             memory=memory.filter,
         )
-        watch(onboard, state, sensed, memory)
+        watch(onboard, sensed, memory)
 
 
 @kernel
-def watch(onboard, state, sensed, memory):
-    """Exclude beams and star tracker where they have failed, and log the exclusions."""
+def watch(onboard, sensed, memory):
+    """Exclude beams that have failed, and log all exclusions."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
     watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory=memory.beam_watch)
-    watch_stars(
-        params.star_watch,
-        onboard.planet,
-        instruments,
-        state.requested,
-        sensed.stars,
-        motion=motion,
-        solution=solution,
-        health=health,
-        memory=memory.star_watch,
-    )
     note_changes(instruments, sensed.t, health, motion, memory.exclusions)
 
 

@@ -147,7 +147,7 @@ def _sized(vehicle: VehicleParams, shape: Outline) -> tuple[Sequence[Builder], f
 
 
 def struts(vehicle: VehicleParams, shape: Outline) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return the ends (m in B) of two struts from the body to each thruster and engine beside it."""
+    """Return the ends (m in B) of two struts from the body to each thruster and engine outside the body."""
     _, base, scale = _sized(vehicle, shape)
     height, radius = _BODIES.get(shape.lander, _BODIES["legs"])
     throats = [np.add(jet.position_m, 0.1 * np.array(jet.direction)) for jet in vehicle.rcs.thrusters]

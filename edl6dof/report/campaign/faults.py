@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.campaign.design.dispersions import AND
 from edl6dof.campaign.executor import Row
-from edl6dof.campaign.faults import can_be_known, fault_figures, is_right
+from edl6dof.campaign.faults import EFFECTS, can_be_known, fault_figures, is_right
 from edl6dof.config.wording import counted
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Block, Cell, Mood, Table, Text
@@ -34,7 +34,7 @@ _SCALE = SEQUENTIAL[1:]
 _NAMED, _BESIDE, _LINES = 9, 14, 200
 _ROW_PX = 15
 #: Columns that identify a fault in a list.
-_WHERE = ("component", "kind", "moment", "regime")
+_WHERE = ("component", "kind", "size", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
@@ -64,6 +64,8 @@ def blocks(results: Results) -> Iterator[Block]:
         "whose component is used or leaks before touchdown; shares of right isolations are of these.  Kind: "
         "right component and right kind of fault.  Times (s) from the first use to the right isolation."
     )
+    if figures["undetected"]:
+        yield _undetected(figures["undetected"])
     for kind in dict.fromkeys(row["kind"] for row in rows):
         some = [row for row in rows if row["kind"] == kind]
         yield from _pairs(kind, some) if AND in some[0]["component"] else [_over_time(kind, some)]
@@ -104,6 +106,18 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
             (group["kind"].replace("_", " "), group["regime"], *flights, str(known), *named, wrong, *longest)
         )
     return Table(columns, rows, "Each kind of fault")
+
+
+def _undetected(swept: Sequence[dict[str, Any]]) -> Table:
+    columns = ("fault", "parameter", "flights>", "not named>", "not within limits>", "largest size>",
+               "velocity, m/s>", "height, m>", "vertical, deg>")  # fmt: skip
+    rows = []
+    for one in swept:
+        counts = (str(one[name]) for name in ("flights", "undetected", "not_within_limits"))
+        values = ("" if one[name] is None else f"{one[name]:.3g}" for name in ("largest", *EFFECTS))
+        rows.append((one["kind"].replace("_", " "), one["parameter"], *counts, *values))
+    words = "Faults in use that were not named: their largest size, and largest errors at touchdown"
+    return Table(columns, rows, words)
 
 
 def _share(part: int, whole: int) -> str:

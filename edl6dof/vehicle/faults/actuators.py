@@ -1,6 +1,7 @@
-"""Faults of thrusters (dead, open or weak; all behind one latch valve dead; all weak at once), surfaces such
-as a trim wing (stuck or lost), parachutes (late or dead mortar, torn canopy or riser), engines (too little
-thrust or none, late start, stuck throttle, thrust that points elsewhere) and tanks (leak, blocked feed).
+"""Faults of thrusters (dead, open, weak, leaking or slow; all behind one latch valve dead; all weak at once),
+surfaces such as a trim wing (stuck or lost), parachutes (late or dead mortar, torn canopy or riser), engines
+(too little thrust or none, late start, stuck throttle, thrust that points elsewhere) and tanks (leak, blocked
+feed).
 """
 
 from __future__ import annotations
@@ -93,6 +94,29 @@ class DegradedParams(ThrusterFault):
     )
 
 
+class LeakingParams(ThrusterFault):
+    """The valve shuts, but its seat leaks; what leaks gives hot gas.  Only the latch valve stops it."""
+
+    failure: ClassVar[ThrusterFailure | None] = "stuck_on"
+
+    thrust_factor: float = param(0.2, "thrust of the leak, share of the full thrust", ge=0.0, le=1.0)
+    flow_factor: float = param(
+        0.0,
+        "propellant flow of the leak, share of the full flow; 0: the same share as of the thrust",
+        ge=0.0,
+        le=1.0,
+    )
+
+
+class SlowParams(ThrusterFault):
+    """The valve opens and shuts slowly: a long pulse begins and ends late, a short one never gets strong."""
+
+    failure: ClassVar[ThrusterFailure | None] = "degraded"
+
+    rise_s: float = param(0.2, "time from valve opening to full thrust", gt=0.0, le=100.0)
+    decay_s: float = param(0.2, "time from valve closing to no thrust", gt=0.0, le=100.0)
+
+
 class BranchDeadParams(BranchFault):
     """The latch valve of the branch fails shut: none of its thrusters fires any more."""
 
@@ -134,6 +158,23 @@ def degraded(fault, case, since, command, plant):
 
 
 @kernel
+def leaking(fault, case, since, command, plant):
+    """Let part of the flow through the shut valve."""
+    i, p = fault.component, fault.params.leaking
+    plant.valves.fault[i] = STUCK_ON
+    plant.valves.leak[i] = p.thrust_factor
+    plant.valves.flow_leak[i] = p.flow_factor if p.flow_factor > 0.0 else p.thrust_factor
+
+
+@kernel
+def slow(fault, case, since, command, plant):
+    """Make the thrust rise and fall slowly."""
+    i = fault.component
+    plant.valves.fault[i] = DEGRADED
+    plant.valves.rise[i], plant.valves.decay[i] = fault.params.slow.rise, fault.params.slow.decay
+
+
+@kernel
 def branch_dead(fault, case, since, command, plant):
     """Keep all valves of the branch shut."""
     for i in range(case.vehicle.rcs.n_thrusters):
@@ -155,6 +196,8 @@ _THRUSTER = (
     Member("stuck_off", StuckOffParams, {"inflict": stuck_off}, "Hu et al. 2022, section 6.3"),
     Member("stuck_on", StuckOnParams, {"inflict": stuck_on}, "valve failed open"),
     Member("degraded", DegradedParams, {"inflict": degraded}, "partly blocked feed or catalyst"),
+    Member("leaking", LeakingParams, {"inflict": leaking}, "dirt on the seat of the valve"),
+    Member("slow", SlowParams, {"inflict": slow}, "worn or frozen valve, cold catalyst"),
     Member("branch_dead", BranchDeadParams, {"inflict": branch_dead}, "latch valve failed shut"),
     Member("weak_thrusters", WeakThrustersParams, {"inflict": weak_thrusters}, "low feed pressure"),
 )
@@ -173,6 +216,8 @@ class WingStuckParams(SurfaceFault):
 
 class WingLostParams(SurfaceFault):
     """The surface is torn off."""
+
+    ends: ClassVar[bool] = False
 
 
 @kernel
@@ -212,11 +257,15 @@ class ParachuteDeadParams(ParachuteFault):
 class CanopyTornParams(ParachuteFault):
     """The canopy loses part of its drag area, at once or as it opens."""
 
+    ends: ClassVar[bool] = False
+
     area_factor: float = param(0.7, "remaining share of the drag area", ge=0.0, lt=1.0)
 
 
 class RiserTornParams(ParachuteFault):
     """The riser breaks: the vehicle loses the canopy, at once or when it is deployed."""
+
+    ends: ClassVar[bool] = False
 
 
 @kernel

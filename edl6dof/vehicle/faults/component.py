@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import ClassVar, Literal, get_args
 
 from edl6dof.config.base import Params
@@ -23,6 +24,7 @@ Component = Literal[
     "accelerometer",
     "inertial_unit",
     "beam",
+    "radar",
     "star_tracker",
     "flow_meter",
     "landing_camera",
@@ -32,7 +34,7 @@ Component = Literal[
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Kinds of component that measure.
 INSTRUMENTS: tuple[Component, ...] = (
-    *("gyro", "accelerometer", "inertial_unit", "beam", "star_tracker"),
+    *("gyro", "accelerometer", "inertial_unit", "beam", "radar", "star_tracker"),
     *("flow_meter", "landing_camera", "lidar", "stereo"),
 )
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
@@ -62,6 +64,17 @@ class ComponentFault(Params):
     happens_in: ClassVar[tuple[Role, ...]] = ()
     #: Failure that a correct fault isolation finds in each thruster; none for a fault of no thruster.
     failure: ClassVar[ThrusterFailure | None] = None
+    #: Duration where a fault gives none, s; infinite: to the end of the flight.
+    usual_duration_s: ClassVar[float] = inf
+    #: False for a fault that cannot end, such as a lost part.
+    ends: ClassVar[bool] = True
+
+    @classmethod
+    def sizes(cls, component: Component) -> list[dict[str, float]]:
+        """Values of parameters that a matrix of faults sweeps for a kind of component; an empty item stands
+        for the default values.
+        """
+        return [{}]
 
 
 class ThrusterFault(ComponentFault):

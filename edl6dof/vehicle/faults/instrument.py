@@ -1,4 +1,4 @@
-"""Faults of one reading (gyro, accelerometer, beam, flow meter) and of whole instruments.
+"""Faults of one reading (gyro, accelerometer, beam, star tracker, flow meter) and of whole instruments.
 
 Their effects are written to ``INSTRUMENT_FAULTS`` (:mod:`edl6dof.vehicle.plant`), which the sensors read in
 the next cycle.
@@ -14,57 +14,85 @@ from edl6dof.interface.roles import PARACHUTE, Role
 from edl6dof.kernels import kernel
 from edl6dof.registry import Member
 from edl6dof.vehicle.faults.component import COMPONENTS, Component, ComponentFault
-from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK, WORKING
+from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
+RADAR, STAR_TRACKER = map(COMPONENTS.index, ("radar", "star_tracker"))
 CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
 
 
-class InstrumentFault(ComponentFault):
-    """Parameters of a fault of an instrument, temporary or permanent."""
-
-    duration_s: float = param(0.0, "duration; 0: to the end of the flight", ge=0.0)
-
-
-class ReadingFault(InstrumentFault):
+class ReadingFault(ComponentFault):
     """Parameters of a fault of one reading."""
 
-    components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer", "beam", "flow_meter")
+    components: ClassVar[tuple[Component, ...]] = (
+        *("gyro", "accelerometer", "beam", "star_tracker", "flow_meter"),
+    )
 
 
-class CounterFault(InstrumentFault):
+#: First words of the names of the parameters that are the size of a fault, for each kind of component.
+READINGS: dict[Component, tuple[str, ...]] = {
+    "gyro": ("rate",),
+    "accelerometer": ("acceleration",),
+    "beam": ("range", "speed"),
+    "star_tracker": ("attitude",),
+    "flow_meter": ("flow",),
+}
+
+
+class SizedFault(ReadingFault):
+    """Parameters of a fault of one reading by some amount."""
+
+    #: Sizes of a sweep over the default value: three for each factor of ten.
+    swept: ClassVar[tuple[float, ...]] = (1.0, 0.464, 0.215, 0.1, 0.0464, 0.0215, 0.01)
+
+    @classmethod
+    def sizes(cls, component: Component) -> list[dict[str, float]]:
+        """Values of each parameter of a reading in turn, the others zero."""
+        first = {name: field.default for name, field in cls.model_fields.items()
+                 if name.split("_")[0] in READINGS[component]}  # fmt: skip
+        return [
+            {**dict.fromkeys(first, 0.0), name: float(f"{share * value:.3g}")}
+            for name, value in first.items()
+            for share in cls.swept
+        ]
+
+
+class CounterFault(ComponentFault):
     """Parameters of a fault of an instrument with a limited range."""
 
     components: ClassVar[tuple[Component, ...]] = ("gyro", "accelerometer")
 
 
-class ReadingBiasParams(ReadingFault):
+class ReadingBiasParams(SizedFault):
     """The reading is too large by a constant."""
 
     rate_deg_s: float = param(0.05, "bias of a gyro", ge=-1e3, le=1e3)
     acceleration_m_s2: float = param(0.05, "bias of an accelerometer", ge=-1e3, le=1e3)
     range_m: float = param(20.0, "bias of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s: float = param(2.0, "bias of the speed of a beam", ge=-1e3, le=1e3)
+    attitude_deg: float = param(0.2, "bias of the attitude of a star tracker", ge=-90.0, le=90.0)
     flow_kg_s: float = param(0.02, "bias of a flow meter", ge=-10.0, le=10.0)
 
 
-class ReadingDriftParams(ReadingFault):
+class ReadingDriftParams(SizedFault):
     """The reading has an error that grows linearly with time."""
 
     rate_deg_s2: float = param(0.01, "drift of a gyro", ge=-1e3, le=1e3)
     acceleration_m_s3: float = param(0.01, "drift of an accelerometer", ge=-1e3, le=1e3)
     range_m_s: float = param(2.0, "drift of the range of a beam", ge=-1e4, le=1e4)
     speed_m_s2: float = param(0.2, "drift of the speed of a beam", ge=-1e3, le=1e3)
+    attitude_deg_s: float = param(0.05, "drift of the attitude of a star tracker", ge=-90.0, le=90.0)
     flow_kg_s2: float = param(0.002, "drift of a flow meter", ge=-10.0, le=10.0)
 
 
-class ReadingNoiseParams(ReadingFault):
+class ReadingNoiseParams(SizedFault):
     """The reading has more noise, independent from cycle to cycle; parameters: standard deviations."""
 
     rate_deg_s: float = param(0.5, "noise of a gyro", ge=0.0, le=1e3)
     acceleration_m_s2: float = param(0.5, "noise of an accelerometer", ge=0.0, le=1e3)
     range_m: float = param(20.0, "noise of the range of a beam", ge=0.0, le=1e4)
     speed_m_s: float = param(2.0, "noise of the speed of a beam", ge=0.0, le=1e3)
+    attitude_deg: float = param(0.2, "noise of the attitude of a star tracker", ge=0.0, le=90.0)
     flow_kg_s: float = param(0.02, "noise of a flow meter", ge=0.0, le=10.0)
 
 
@@ -73,7 +101,11 @@ class ReadingStuckParams(ReadingFault):
 
 
 class ReadingOutageParams(ReadingFault):
-    """The instrument gives no reading: a counter stops, a beam has no echo."""
+    """There is no reading: a counter stops, a star tracker sees no stars, a beam (or every beam of a radar)
+    has no echo.
+    """
+
+    components: ClassVar[tuple[Component, ...]] = (*ReadingFault.components, "radar")
 
 
 class HardoverParams(CounterFault):
@@ -84,16 +116,15 @@ class SaturationParams(CounterFault):
     """The reading is at the end of its range, on the side of the true motion, with the flag of saturation."""
 
 
-class GyrosSaturatedParams(InstrumentFault):
+class GyrosSaturatedParams(ComponentFault):
     """All gyros are at the end of their range at once, as when a parachute opens."""
 
     components: ClassVar[tuple[Component, ...]] = ("inertial_unit",)
     happens_in: ClassVar[tuple[Role, ...]] = (PARACHUTE,)
+    usual_duration_s: ClassVar[float] = 1.0
 
-    duration_s: float = param(1.0, "duration; 0: to the end of the flight", ge=0.0)
 
-
-class FalseLockParams(InstrumentFault):
+class FalseLockParams(ComponentFault):
     """The beam has an echo that is not of the ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("beam",)
@@ -102,28 +133,16 @@ class FalseLockParams(InstrumentFault):
     speed_m_s: float = param(0.0, "speed that it reads", ge=-1e3, le=1e3)
 
 
-class StarsLostParams(InstrumentFault):
-    """The star tracker sees no stars any more."""
-
-    components: ClassVar[tuple[Component, ...]] = ("star_tracker",)
-
-
-class ImagesLostParams(InstrumentFault):
+class ImagesLostParams(ComponentFault):
     """The imager makes no images any more; a scan in progress ends."""
 
     components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo")
 
 
-class MirrorStuckParams(InstrumentFault):
+class MirrorStuckParams(ComponentFault):
     """The mirror of the lidar does not move: all rows of a scan show the same ground."""
 
     components: ClassVar[tuple[Component, ...]] = ("lidar",)
-
-
-@kernel
-def lasts(duration, since, t):
-    """True if a fault that began at ``since`` (s) still lasts at ``t``."""
-    return duration == 0.0 or t < since + duration
 
 
 @kernel
@@ -136,6 +155,8 @@ def set_mode(fault, plant, mode):
         instruments.accelerometer[i].mode = mode
     elif fault.of == FLOW_METER:
         instruments.flow[i].mode = mode
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].mode = mode
     else:
         instruments.range[i].mode = mode
         instruments.speed[i].mode = mode
@@ -151,6 +172,8 @@ def set_offset(fault, plant, p, factor):
         instruments.accelerometer[i].offset = factor * p.acceleration
     elif fault.of == FLOW_METER:
         instruments.flow[i].offset = factor * p.flow
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].offset = factor * p.attitude
     else:
         instruments.range[i].offset = factor * p.range
         instruments.speed[i].offset = factor * p.speed
@@ -159,106 +182,93 @@ def set_offset(fault, plant, p, factor):
 @kernel
 def reading_bias(fault, case, since, command, plant):
     """Add a constant."""
-    p = fault.params.reading_bias
-    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, p, on)
+    set_offset(fault, plant, fault.params.reading_bias, 1.0)
 
 
 @kernel
 def reading_drift(fault, case, since, command, plant):
     """Add an error that has grown since the fault began."""
-    p = fault.params.reading_drift
-    age = plant.t - since if lasts(p.duration, since, plant.t) else 0.0
-    set_offset(fault, plant, p, age)
+    set_offset(fault, plant, fault.params.reading_drift, plant.t - since)
 
 
 @kernel
 def reading_noise(fault, case, since, command, plant):
     """Add noise."""
     p, i, instruments = fault.params.reading_noise, fault.component, plant.instruments
-    on = 1.0 if lasts(p.duration, since, plant.t) else 0.0
     if fault.of == GYRO:
-        instruments.gyro[i].noise = on * p.rate
+        instruments.gyro[i].noise = p.rate
     elif fault.of == ACCELEROMETER:
-        instruments.accelerometer[i].noise = on * p.acceleration
+        instruments.accelerometer[i].noise = p.acceleration
     elif fault.of == FLOW_METER:
-        instruments.flow[i].noise = on * p.flow
+        instruments.flow[i].noise = p.flow
+    elif fault.of == STAR_TRACKER:
+        instruments.stars[i].noise = p.attitude
     else:
-        instruments.range[i].noise = on * p.range
-        instruments.speed[i].noise = on * p.speed
+        instruments.range[i].noise = p.range
+        instruments.speed[i].noise = p.speed
 
 
 @kernel
 def reading_stuck(fault, case, since, command, plant):
     """Hold the reading."""
-    on = lasts(fault.params.reading_stuck.duration, since, plant.t)
-    set_mode(fault, plant, STUCK if on else WORKING)
+    set_mode(fault, plant, STUCK)
 
 
 @kernel
 def reading_outage(fault, case, since, command, plant):
     """Read nothing."""
-    on = lasts(fault.params.reading_outage.duration, since, plant.t)
-    set_mode(fault, plant, OUTAGE if on else WORKING)
+    if fault.of != RADAR:
+        set_mode(fault, plant, OUTAGE)
+        return
+    radar, instruments = case.sensors.params.radar, plant.instruments
+    for i in range(radar.n_beams):
+        if radar.beams[i].radar == fault.component + 1:
+            instruments.range[i].mode = OUTAGE
+            instruments.speed[i].mode = OUTAGE
 
 
 @kernel
 def hardover(fault, case, since, command, plant):
     """Go to the end of the range."""
-    on = lasts(fault.params.hardover.duration, since, plant.t)
-    set_mode(fault, plant, HARDOVER if on else WORKING)
+    set_mode(fault, plant, HARDOVER)
 
 
 @kernel
 def saturation(fault, case, since, command, plant):
     """Go to the end of the range, with the flag of saturation."""
-    on = lasts(fault.params.saturation.duration, since, plant.t)
-    set_mode(fault, plant, SATURATED if on else WORKING)
+    set_mode(fault, plant, SATURATED)
 
 
 @kernel
 def gyros_saturated(fault, case, since, command, plant):
     """Saturate every gyro."""
-    on = lasts(fault.params.gyros_saturated.duration, since, plant.t)
     for i in range(MAX_GYROS):
-        plant.instruments.gyro[i].mode = SATURATED if on else WORKING
+        plant.instruments.gyro[i].mode = SATURATED
 
 
 @kernel
 def false_lock(fault, case, since, command, plant):
     """Read something else than the ground."""
-    p = fault.params.false_lock
-    on = lasts(p.duration, since, plant.t)
-    set_mode(fault, plant, FALSE_LOCK if on else WORKING)
-    i, instruments = fault.component, plant.instruments
-    instruments.range[i].offset = p.range if on else 0.0
-    instruments.speed[i].offset = p.speed if on else 0.0
-
-
-@kernel
-def stars_lost(fault, case, since, command, plant):
-    """Lose the stars."""
-    on = lasts(fault.params.stars_lost.duration, since, plant.t)
-    plant.instruments.star_tracker_lost = 1 if on else 0
+    p, i, instruments = fault.params.false_lock, fault.component, plant.instruments
+    set_mode(fault, plant, FALSE_LOCK)
+    instruments.range[i].offset, instruments.speed[i].offset = p.range, p.speed
 
 
 @kernel
 def images_lost(fault, case, since, command, plant):
     """Lose the images of an imager."""
-    lost = 1 if lasts(fault.params.images_lost.duration, since, plant.t) else 0
     if fault.of == CAMERA:
-        plant.instruments.camera_lost = lost
+        plant.instruments.camera_lost = 1
     elif fault.of == LIDAR:
-        plant.instruments.lidar_lost = lost
+        plant.instruments.lidar_lost = 1
     else:
-        plant.instruments.stereo_lost = lost
+        plant.instruments.stereo_lost = 1
 
 
 @kernel
 def mirror_stuck(fault, case, since, command, plant):
     """Hold the mirror."""
-    on = lasts(fault.params.mirror_stuck.duration, since, plant.t)
-    plant.instruments.mirror_stuck = 1 if on else 0
+    plant.instruments.mirror_stuck = 1
 
 
 MEMBERS = (
@@ -276,7 +286,6 @@ MEMBERS = (
         "Tolker-Nielsen, EXOMARS 2016 Schiaparelli Anomaly Inquiry, ESA DG-I/2017/546/TTN (2017)",
     ),
     Member("false_lock", FalseLockParams, {"inflict": false_lock}, "echo of a jettisoned part"),
-    Member("stars_lost", StarsLostParams, {"inflict": stars_lost}, "blinded or dead tracker"),
     Member("images_lost", ImagesLostParams, {"inflict": images_lost}, "lost supply or link"),
     Member("mirror_stuck", MirrorStuckParams, {"inflict": mirror_stuck}, "jammed drive"),
 )

@@ -5,6 +5,10 @@ A valve command is an interval [open, close].  The thrust level of a thruster cl
 step the level is integrated twice in closed form and applied as a line
 (:func:`edl6dof.vehicle.propulsion.engine_models.line_in_step`), so the impulse of a pulse does not depend on
 the step, nor does the displacement that it leaves.
+
+A leak passes through the seat of the valve, in addition to what the valve lets through: with the level n of
+the valve and the leak l, both as shares of the full flow, the flow is l + (1 - l) n.  Only the latch valve of
+the branch stops it.
 """
 
 from __future__ import annotations
@@ -193,28 +197,32 @@ def fire(rcs, loads, branch, valves, t, step, inputs, used):
     force = moment = force_slope = moment_slope = (0.0, 0.0, 0.0)
     for i in range(rcs.n_thrusters):
         opens, closes = valves.open_time[i], valves.close_time[i]
-        if valves.level[i] == 0.0 and (closes <= t or opens >= t + step):
+        leak, flow_leak = valves.leak[i], valves.flow_leak[i]
+        if valves.level[i] == 0.0 and flow_leak == 0.0 and (closes <= t or opens >= t + step):
             valves.mean[i] = 0.0
             continue
         jet = rcs.thrusters[i]
+        rise = valves.rise[i] if valves.rise[i] > 0.0 else jet.rise
+        decay = valves.decay[i] if valves.decay[i] > 0.0 else jet.decay
         mean, slope, level = linear_level(
-            valves.level[i], jet.rise, jet.decay, t, step, open_time=opens, close_time=closes
+            valves.level[i], rise, decay, t, step, open_time=opens, close_time=closes
         )
         valves.level[i] = level
         within = load_within_reach(loads, i, inputs.filled)
-        if mean == 0.0 or within == 0.0:
+        if mean == 0.0 and flow_leak == 0.0 or within == 0.0:
             valves.mean[i] = 0.0
             continue
         thrust = jet.thrust * jet.thrust_factor
         full_flow = thrust / (jet.specific_impulse * G0)
         drawn = (1.0 - valves.flow_lost[i]) * (1.0 - valves.feed_lost)
         feed = (loads, i, inputs.filled, within)
-        draw(feed, mean * drawn * full_flow, inputs.rcs_flow, 0)
-        draw(feed, slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
-        used[branch[i]] += mean * drawn * full_flow * step
+        passing = flow_leak + (1.0 - flow_leak) * mean
+        draw(feed, passing * drawn * full_flow, inputs.rcs_flow, 0)
+        draw(feed, (1.0 - flow_leak) * slope * drawn * full_flow, inputs.rcs_flow_slope, 0)
+        used[branch[i]] += passing * drawn * full_flow * step
         kept = (1.0 - valves.lost[i]) * (1.0 - valves.feed_lost)
-        mean *= kept
-        slope *= kept
+        mean = (leak + (1.0 - leak) * mean) * kept
+        slope *= (1.0 - leak) * kept
         valves.mean[i] = mean
         full = scale(thrust, take3(jet.direction, 0))
         arm = cross(take3(jet.position, 0), full)

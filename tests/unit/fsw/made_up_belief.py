@@ -29,6 +29,7 @@ def onboard_record():
     unit["accelerometer_noise"] = 20e-6 * 9.81
     unit["accelerometer_bias"], unit["accelerometer_bias_walk"] = 30e-6 * 9.81, 1e-6 * 9.81 / 60.0
     unit["accelerometer_scale"] = 7e-5
+    unit["n_trackers"] = 1
     unit["star_sigma"], unit["star_bias"] = np.radians(0.005), np.radians(0.004)
     unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
     unit["antenna_position"] = ARM

@@ -32,7 +32,7 @@ from edl6dof.spatial.quaternion import (
     normalise,
     rotation_vector,
 )
-from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
+from edl6dof.spatial.vector import add, dot, norm, put3, put4, scale, sub, take3
 
 #: The filter as flights call it: what is compiled for them is not compiled again with what flies it here.
 start, correct = error_state.start, error_state.correct
@@ -49,7 +49,7 @@ def strapdown(onboard, motion, solution):
     later = add(v, add(scale(DT, pull_of(r)), gained))
     put3(solution.r_I, 0, add(r, scale(0.5 * DT, add(v, later))))
     put3(solution.v_I, 0, later)
-    turn(solution, normalise(q))
+    put4(solution.q_I2B, normalise(q))
     solution.t += DT
 
 
@@ -58,13 +58,6 @@ def attitude(place):
     """Attitude in a record."""
     q = place.q_I2B
     return q[0], q[1], q[2], q[3]
-
-
-@kernel
-def turn(place, q):
-    """Write it there."""
-    for i in range(4):
-        place.q_I2B[i] = q[i]
 
 
 @kernel
@@ -85,7 +78,7 @@ def begin(onboard, params, records, drawn, place, size, draws):
     for i in range(3):
         solution.r_I[i] = r[i] + size * normal(draws) * unit.tracking_position_sigma[i]
         solution.v_I[i] = v[i] + size * normal(draws) * unit.tracking_velocity_sigma[i]
-    turn(solution, star_fix(unit, q, drawn[4], size, draws))
+    put4(solution.q_I2B, star_fix(unit, q, drawn[4], size, draws))
     start(params, onboard, records[0][0], solution, records[4][0])
 
 
@@ -161,9 +154,9 @@ def fly_filter(
     for k in range(len(rs)):
         q = (qs[k, 0], qs[k, 1], qs[k, 2], qs[k, 3])
         place = (take3(rs[k], 0), take3(vs[k], 0), q)
-        sensed.stars.valid = k * DT <= stars_until
-        if sensed.stars.valid:
-            turn(sensed.stars, star_fix(unit, q, drawn[4], size, draws))
+        motion.fixes = k * DT <= stars_until
+        if motion.fixes:
+            put4(motion.fix_q_I2B, star_fix(unit, q, drawn[4], size, draws))
         if k == 0:
             begin(onboard, params, records, drawn, place, size, draws)
         else:

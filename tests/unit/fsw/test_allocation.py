@@ -49,11 +49,43 @@ def solve(p, thrusters, count, centre, demand, allowed=ALL, translating=False, r
     asked["wrench"], asked["groups"], asked["translating"] = demand, allowed, translating
     effectiveness = np.zeros(1, EFFECTIVENESS)[0]
     vehicle["configuration"][LANDER]["centre"] = centre
-    update_effectiveness(vehicle, LANDER, effectiveness)
+    update_effectiveness(vehicle, LANDER, HEALTHY["loss"], effectiveness)
     assert p["method"] == ALLOCATORS.names.index("least_squares")
     for _ in range(rounds):
         allocate(p, vehicle, HEALTHY, effectiveness, asked, memory)
     return memory
+
+
+def test_a_known_loss_is_made_up_for_by_the_duty(shared_onboard):
+    """A thruster that has lost 40 % gets 1 / 0.6 of the duty for the same torque, and saturates at 0.6 of it.
+    The torque of each duty is that of the true thruster.
+    """
+    believed = shared_onboard[0]["vehicle"]
+    jets, count, sound = believed["thrusters"], int(believed["n_thrusters"]), np.zeros(1, EFFECTIVENESS)[0]
+    update_effectiveness(believed, LANDER, np.zeros(len(HEALTHY["loss"])), sound)
+    fine = [i for i in range(count) if jets[i]["group"] == FINE]
+    number, loss, lost = fine[0], np.zeros(len(HEALTHY["loss"])), sound.copy()
+    loss[number] = 0.4
+    update_effectiveness(believed, LANDER, loss, lost)
+    left = np.where(np.arange(len(loss)) == number, 0.6, 1.0)[:, np.newaxis]
+    assert lost["matrix"] == pytest.approx(left * sound["matrix"], rel=1e-14)
+    alone, asked = HEALTHY.copy(), np.zeros(1, DEMAND)[0]
+    alone["thruster"] = 0
+    alone["thruster"][number] = 1
+    asked["groups"], p = ALL, exact()
+    p["least_squares"]["use_cost"] = 0.0
+    for part, duty in ((0.3, 0.5), (0.9, 1.0)):
+        asked["wrench"] = part * sound["matrix"][number]
+        asked["wrench"][:3] = 0.0
+        p["least_squares"]["stray_force_scale"] = 1e9
+        memory = np.zeros(1, ALLOCATION)[0]
+        allocate(p, believed, alone, lost, asked, memory)
+        assert memory["duty"][number] == pytest.approx(duty, abs=1e-6)
+        missing = asked["wrench"] - 0.6 * duty * sound["matrix"][number]
+        assert memory["unallocated"][3:] == pytest.approx(missing[3:], abs=1e-6)
+    # known again as sound, it is as before
+    update_effectiveness(believed, LANDER, np.zeros(len(loss)), lost)
+    assert lost.tobytes() == sound.tobytes()
 
 
 def weights(p, translating):

@@ -9,6 +9,7 @@ from given_functions import allocate
 from edl6dof.fsw.allocation.effectiveness import EFFECTIVENESS, update_effectiveness
 from edl6dof.fsw.allocation.registry import ALLOCATION, ALLOCATORS, DEMAND
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import ATTITUDE, AXIAL, FINE, HORIZONTAL
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
@@ -26,7 +27,7 @@ def solve():
     onboard = build_onboard(load_scenario("tianwen1", ["mission.phases=[{name: descent}]"]).scenario)
     vehicle, params = onboard[0]["vehicle"], onboard[0]["allocation"]
     count, effectiveness = int(vehicle["n_thrusters"]), np.zeros(1, EFFECTIVENESS)[0]
-    update_effectiveness(vehicle, LANDER, effectiveness)
+    update_effectiveness(vehicle, LANDER, np.zeros(MAX_THRUSTERS), effectiveness)
 
     def run(method, wrench, allowed=USUAL, translating=False, boosting=False, dead=()):
         found, demand, health = (np.zeros(1, kind)[0] for kind in (ALLOCATION, DEMAND, FSW["health"]))

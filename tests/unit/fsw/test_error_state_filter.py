@@ -270,7 +270,7 @@ def standing(descent):
 def test_star_fixes_that_stay_away_are_believed_in_the_end(descent):
     sensed, motion, solution, health, memory = standing(descent)
     fix = landing.multiply(landing.about_axis((0.0, 0.6, 0.8), 0.02), tuple(descent[2][0]))
-    sensed["stars"]["valid"], sensed["stars"]["q_I2B"] = 1, fix
+    motion["fixes"], motion["fix_q_I2B"] = 1, fix
     apart = []
     for k in range(1, 400):
         solution["t"] = sensed["t"] = 0.05 * k

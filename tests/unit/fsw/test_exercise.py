@@ -19,6 +19,7 @@ from edl6dof.fsw.diagnosis.exercise import ExerciseParams
 from edl6dof.fsw.diagnosis.flow_evidence import NONE
 from edl6dof.fsw.modulation import ModulationParams
 from edl6dof.fsw.onboard import FSW
+from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import STUCK_OFF
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
@@ -35,7 +36,7 @@ def vehicle(shared_onboard):
 @pytest.fixture(scope="module")
 def effectiveness(vehicle):
     record = np.zeros(1, EFFECTIVENESS)
-    update_effectiveness(vehicle, LANDER, record[0])
+    update_effectiveness(vehicle, LANDER, np.zeros(MAX_THRUSTERS), record[0])
     return record["matrix"][0]
 
 

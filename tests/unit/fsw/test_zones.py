@@ -196,3 +196,25 @@ def test_zones_are_passed_in_order_from_far_to_near():
     _, _, _, where = slew(zone, radians(120.0), 20.0)
     passed = [int(w) for i, w in enumerate(where[1:]) if i == 0 or w != where[i]]
     assert passed == [CONSTANT, PARABOLA, PID]
+
+
+@pytest.mark.parametrize("name", ["bank", "lander roll"])
+def test_pid_zone_follows_a_sine_with_its_analytic_bandwidth(onboard, name):
+    """Rate feedback, angle command: P / (s^2 + D s + P), 3 dB down at wn sqrt(1 - 2 z^2 + sqrt(2 - 4 z^2 + 4
+    z^4)).
+    """
+    zone = flown_zones(onboard)[name]
+    natural = sqrt(zone["proportional"])
+    z = zone["derivative"] / (2.0 * natural)
+    w = natural * sqrt(1.0 - 2.0 * z * z + sqrt(2.0 - 4.0 * z * z + 4.0 * z**4))
+    axis, dt = np.zeros(1, AXIS)[0], 0.01
+    angle = rate = 0.0
+    answer, asked = [], []
+    for k in range(int(60.0 / dt)):
+        command = radians(1.0) * sin(w * k * dt)
+        a = follow(zone, axis, command - angle, rate, dt, True)
+        angle += rate * dt + 0.5 * a * dt * dt
+        rate += a * dt
+        answer.append(angle), asked.append(command)
+    late = slice(int(30.0 / dt), None)
+    assert np.ptp(answer[late]) / np.ptp(asked[late]) == pytest.approx(sqrt(0.5), rel=0.03)

@@ -38,6 +38,7 @@ def believed_unit(number: int = 6) -> np.ndarray:
     unit["accelerometer_noise"] = 20e-6 * G0
     unit["accelerometer_bias"] = 30e-6 * G0
     unit["accelerometer_scale"] = 7e-5
+    unit["n_trackers"] = 1
     unit["star_sigma"] = radians(0.02) / 3.0
     unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
     return known

@@ -80,10 +80,10 @@ def take_part(filters, onboards, states, sensed, memories, angles, gains, stars,
             s.inertial.rate[i] = angles[k, i] / 0.02
             s.inertial.gain[i] += gains[k, i]
         s.tracking.fresh = 1 if first + k == 0 else 0
-        s.stars.valid = 1 if first + k < len(stars) else 0
-        if s.stars.valid:
+        s.stars.valid[0] = 1 if first + k < len(stars) else 0
+        if s.stars.valid[0]:
             for i in range(4):  # a slice would have words about its size compiled with it
-                s.stars.q_I2B[i] = stars[first + k, i]
+                s.stars.q_I2B[0, i] = stars[first + k, i]
         estimate_state(filters, onboards[0], states[0], s, memories[0])
 
 

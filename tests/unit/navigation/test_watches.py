@@ -1,4 +1,4 @@
-"""Beams, star tracker and flags of saturation that are watched: who goes, who stays, who comes back."""
+"""Beams and flags of saturation that are watched: who goes, who stays, who comes back."""
 
 import numpy as np
 import pytest
@@ -10,20 +10,14 @@ from edl6dof.fsw.navigation.exclusions import (
     EXCLUSIONS,
     INERTIAL_UNIT,
     MAX_CHANGES,
-    STAR_WATCH,
     BeamWatchParams,
-    StarWatchParams,
     note_changes,
     watch_beams,
-    watch_stars,
 )
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.redundancy import exclude_stale_flags
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
-from edl6dof.interface.capacities import MAX_EVENTS
-from edl6dof.interface.sensed import RADAR, STARS
-from edl6dof.scenario.loading import load_scenario
-from edl6dof.scenario.records import build_onboard
+from edl6dof.interface.sensed import RADAR
 
 
 def filled(model):
@@ -127,43 +121,6 @@ def test_a_beam_that_looks_too_flat_for_ground_that_slopes_may_be_silent(angle_d
 def test_beams_are_left_alone_where_nobody_looked_or_nobody_asks():
     assert Beams().look(1000, refused=[0], looked=0) == []
     assert Beams(enabled=False).look(1000, refused=[0]) == []
-
-
-@pytest.fixture(scope="module")
-def planet():
-    return build_onboard(load_scenario("tianwen1", ()).scenario)["planet"][0]
-
-
-def stars_after(planet, seconds, altitude, rate=0.0, valid=0, until=0, requested=()):
-    """Health of the star tracker after some seconds without, or with, a fix."""
-    known, motion, solution = np.zeros(1, INSTRUMENTS), np.zeros(1, MOTION), np.zeros(1, SOLUTION)
-    known["star_sigma"], known["star_lowest"], known["star_rate"] = 1e-4, 118e3, np.radians(3.0)
-    known["star_until"], flags = until, np.zeros(MAX_EVENTS, "i8")
-    flags[list(requested)] = 1
-    motion["dt"], motion["rate"][0, 0] = 0.1, rate
-    solution["r_I"][0, 0] = planet["equatorial_radius"] + altitude
-    stars, health, memory = np.zeros(1, STARS), healthy(), np.zeros(1, STAR_WATCH)
-    stars["valid"] = valid
-    params = filled(StarWatchParams(patience_s=3.0))
-    for _ in range(round(seconds / 0.1)):
-        watch_stars(
-            *(params, planet, known[0], flags, stars[0], motion[0], solution[0], health[0], memory[0])
-        )
-    return bool(health["star_tracker"][0])
-
-
-def test_star_tracker_is_excluded_where_it_should_see_stars_and_does_not(planet):
-    assert stars_after(planet, 2.9, 125e3)
-    assert not stars_after(planet, 3.2, 125e3)
-    assert stars_after(planet, 100.0, 125e3, valid=1)
-    assert stars_after(planet, 100.0, 118.2e3)
-    assert stars_after(planet, 100.0, 125e3, rate=np.radians(2.5))
-
-
-def test_star_tracker_is_not_missed_after_the_event_that_ends_its_view(planet):
-    assert stars_after(planet, 100.0, 125e3, until=3, requested=[2])
-    assert not stars_after(planet, 100.0, 125e3, until=3, requested=[1, 3])
-    assert not stars_after(planet, 100.0, 125e3, until=0, requested=range(MAX_EVENTS))
 
 
 @pytest.mark.parametrize(("reading", "excluded"), [(0.4, True), (0.6, False)])

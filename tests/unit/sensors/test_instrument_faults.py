@@ -1,13 +1,16 @@
 """Each kind of instrument fault as it shows in the reading: from its time on, in that reading alone."""
 
+import json
+
 import numpy as np
 import pytest
 from given_functions import inflict
 from instrument_bench import Bench
+from scipy.spatial.transform import Rotation
 from test_flow_meters import meters
 from test_inertial_unit import unit
 from test_radar import UP, radar
-from test_star_tracker import tracker
+from test_star_tracker import TRUE, tracker
 
 import edl6dof
 from edl6dof.interface.command import COMMAND
@@ -23,9 +26,9 @@ NAMES = [
 ]  # fmt: skip
 
 
-def faulty(bench, fault, cycles=100, **motion):
+def faulty(bench, fault, cycles=100, sets=(), **motion):
     """Readings over two seconds, with a fault that begins after one."""
-    loaded = edl6dof.load("tianwen1", [*CARRIED, *NAMES, f"faults=[{{{fault}, at: {{time_s: 1}}}}]"])
+    loaded = edl6dof.load("tianwen1", [*CARRIED, *NAMES, *sets, f"faults=[{{{fault}, at: {{time_s: 1}}}}]"])
     case, command = build_records(loaded).case[0], np.zeros(1, COMMAND)[0]
     rows = []
     for k in range(cycles):
@@ -49,7 +52,7 @@ def steps(rows, kind, axis):
         ("reading_bias, reading_bias: {rate_deg_s: 0.5, acceleration_m_s2: 0.5}", 0.5, 0.5),
         ("reading_drift, reading_drift: {rate_deg_s2: 0.1, acceleration_m_s3: 0.1}", 0.0, 0.1 * 0.96),
         (
-            "reading_bias, reading_bias: {rate_deg_s: 0.5, acceleration_m_s2: 0.5, duration_s: 0.5}",
+            "reading_bias, reading_bias: {rate_deg_s: 0.5, acceleration_m_s2: 0.5}, duration_s: 0.5",
             0.5,
             0.0,
         ),
@@ -109,9 +112,38 @@ def test_all_gyros_saturate_for_a_second():
 
 
 def test_star_tracker_loses_the_stars_for_a_while():
-    rows = faulty(tracker(), "kind: stars_lost, stars_lost: {duration_s: 0.4}")
-    valid = rows["stars"]["valid"]
-    assert valid[:51].all() and not valid[51:71].any() and valid[71:].all()
+    outage = "star_tracker: s1, kind: reading_outage, duration_s: 0.4"
+    valid = faulty(tracker(), outage)["stars"]["valid"]
+    assert valid[:51].all() and not valid[51:71, 0].any() and valid[51:71, 1].all() and valid[71:].all()
+
+
+@pytest.mark.parametrize(
+    "fault, first, last",
+    [
+        ("reading_bias, reading_bias: {attitude_deg: 0.3}", 0.3, 0.3),
+        ("reading_drift, reading_drift: {attitude_deg_s: 0.1}", 0.0, 0.096),
+    ],
+)
+def test_star_tracker_is_turned_about_the_diagonal_by_its_fault(fault, first, last):
+    ideal = dict(noise_arcsec=0.0, boresight_noise_arcsec=0.0, misalignment_arcsec=0.0)
+    rows = faulty(tracker(**ideal), f"star_tracker: s2, kind: {fault}")["stars"]["q_I2B"]
+    read = Rotation.from_quat(rows.reshape(-1, 4), scalar_first=True)
+    off = np.degrees((TRUE.inv() * read).as_rotvec()).reshape(-1, 2, 3)
+    diagonal = np.full(3, np.sqrt(1.0 / 3.0))
+    np.testing.assert_allclose(off[:, 0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(off[[50, 51, -1], 1], np.outer([0.0, first, last], diagonal), atol=1e-6)
+
+
+def test_star_tracker_sticks_and_scatters():
+    held = faulty(tracker(), "star_tracker: s1, kind: reading_stuck")["stars"]
+    assert held["valid"].all() and np.ptp(held["q_I2B"][50:, 0], axis=0).max() == 0.0
+    assert np.ptp(held["q_I2B"][:51, 0], axis=0).max() > 0.0 < np.ptp(held["q_I2B"][50:, 1], axis=0).max()
+    ideal = dict(noise_arcsec=0.0, boresight_noise_arcsec=0.0, misalignment_arcsec=0.0)
+    noise = "star_tracker: s1, kind: reading_noise, reading_noise: {attitude_deg: 0.2}"
+    rows = faulty(tracker(**ideal), noise, cycles=650)["stars"]["q_I2B"][51:, 0]
+    read = Rotation.from_quat(rows, scalar_first=True)
+    size = np.degrees((TRUE.inv() * read).as_rotvec()) @ np.full(3, np.sqrt(1.0 / 3.0))
+    assert size.std() == pytest.approx(0.2, rel=5.0 / np.sqrt(1200.0))
 
 
 @pytest.mark.parametrize(
@@ -131,6 +163,18 @@ def test_beam_is_off_by_its_fault(fault, distance, speed, locked):
     assert np.ptp(rows["range"][:, [0, 2, 3]], axis=0).max() < 1e-6  # the planet turns
 
 
+def test_a_dead_radar_has_no_echo_on_any_of_its_beams_and_the_other_radar_has():
+    beams = [
+        {"name": name, "axis": (0.8, 0.6 * y, 0.6 * z), "radar": number}
+        for name, y, z, number in (("a", 1, 0, 1), ("b", 0, 1, 2), ("c", -1, 0, 2), ("d", 0, -1, 1))
+    ]
+    fault = "radar: r2, kind: reading_outage, duration_s: 0.4"
+    sets = [f"sensors.radar.beams={json.dumps(beams)}"]
+    locked = faulty(radar(1000.0, beams=beams), fault, sets=sets)["radar"]["locked"]
+    assert locked[:51, :4].all() and locked[51:71, [0, 3]].all() and locked[71:, :4].all()
+    assert not locked[51:71, [1, 2]].any()
+
+
 def test_beam_sticks_scatters_and_locks_on_nothing_real():
     bench = radar(1000.0, range_noise_m=1.0)
     held = faulty(bench, "beam: b1, kind: reading_stuck")["radar"]["range"]
@@ -148,10 +192,10 @@ def test_beam_sticks_scatters_and_locks_on_nothing_real():
     "fault, first, last",
     [
         ("reading_bias, reading_bias: {flow_kg_s: 0.03}", 0.13, 0.13),
-        ("reading_drift, reading_drift: {flow_kg_s2: 0.01, duration_s: 0.9}", 0.1, 0.1),
+        ("reading_drift, reading_drift: {flow_kg_s2: 0.01}, duration_s: 0.9", 0.1, 0.1),
         pytest.param("reading_drift, reading_drift: {flow_kg_s2: 0.01}", 0.1, 0.1096, marks=pytest.mark.long),
         pytest.param("reading_outage", 0.0, 0.0, marks=pytest.mark.long),
-        ("reading_outage, reading_outage: {duration_s: 0.5}", 0.0, 0.1),
+        ("reading_outage, duration_s: 0.5", 0.0, 0.1),
     ],
 )
 def test_flow_meter_is_off_by_its_fault(fault, first, last):
@@ -175,7 +219,7 @@ def test_flow_meter_sticks_and_scatters():
 
 
 def test_sound_instruments_on_the_same_bench_say_nothing():
-    assert not faulty(unit(), "kind: stars_lost")["inertial"]["angle"].any()
+    assert not faulty(unit(), "star_tracker: s1, kind: reading_outage")["inertial"]["angle"].any()
     assert Bench("inertial_unit").plant["instruments"].tobytes() == bytes(
         Bench("inertial_unit").plant["instruments"].nbytes
     )

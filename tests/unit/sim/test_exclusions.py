@@ -24,7 +24,8 @@ COMPONENTS = {
     "gyro": ["g1", "g2", "g3"],
     "accelerometer": ["a1"],
     "beam": ["b1", "b2"],
-    "star_tracker": ["star_tracker"],
+    "radar": ["r1", "r2"],
+    "star_tracker": ["s1"],
     "inertial_unit": ["inertial_unit"],
     "branch": ["left", "right"],
     "flow_meter": ["left", "right"],
@@ -52,7 +53,7 @@ def figures(found, *faults):
         FaultParams.model_validate({"kind": kind, component: name, "at": {"time_s": 1.0}})
         for kind, component, name, _ in faults
     ]
-    return exclusion_figures(found, params, COMPONENTS, plant[0])
+    return exclusion_figures(found, params, COMPONENTS, {"r1": ["b1"], "r2": ["b2"]}, plant[0])
 
 
 def test_each_change_in_words():
@@ -62,7 +63,7 @@ def test_each_change_in_words():
     )  # fmt: skip
     assert [one.label for one in found] == [
         "gyro g3 excluded", "accelerometer a1 excluded", "beam b2 excluded", "beam b2 back in use",
-        "star tracker excluded", "gyros saturated", "gyros read again",
+        "star tracker s1 excluded", "gyros saturated", "gyros read again",
     ]  # fmt: skip
     assert [one.t_s for one in found] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
 
@@ -75,6 +76,12 @@ def test_right_exclusion_has_a_time_and_wrong_ones_count():
     assert figures(found, ("false_lock", "beam", "b1", 11.0))["time_to_exclude_s"] == pytest.approx(1.0)
     assert figures(found, ("hardover", "gyro", "g1", 9.5)) == {"instrument_false_alarms": 2.0}
     assert figures(found) == {"instrument_false_alarms": 2.0}
+
+
+def test_a_beam_of_a_dead_radar_is_excluded_rightly_and_one_of_the_other_radar_wrongly():
+    found = log((11.0, BEAMS + 1, 0), (12.0, BEAMS, 0))
+    told = figures(found, ("reading_outage", "radar", "r2", 10.0))
+    assert told == {"instrument_false_alarms": 1.0, "time_to_exclude_s": pytest.approx(1.0)}
 
 
 def test_exclusion_before_the_fault_is_a_false_alarm():
@@ -113,6 +120,7 @@ def test_log_holds_each_change_once_and_in_the_order_of_time():
     instruments, memory = np.zeros(1, ONBOARD["instruments"])[0], np.zeros(1, EXCLUSIONS)[0]
     health, motion = np.ones(1, INSTRUMENT_HEALTH)[0], np.zeros(1, MOTION)[0]
     instruments["n_gyros"], instruments["n_accelerometers"], instruments["n_beams"] = 3, 2, 2
+    instruments["n_trackers"] = 2
     motion["rate_known"] = 1
     changes = [
         (1.0, health["gyro"], 2, 0, GYROS + 2),
@@ -121,7 +129,7 @@ def test_log_holds_each_change_once_and_in_the_order_of_time():
         (4.0, health["beam_speed"], 1, 0, BEAMS + 1),
         (5.0, health["gyro"], 2, 1, GYROS + 2),
         (6.0, motion, "rate_known", 0, INERTIAL_UNIT),
-        (7.0, health, "star_tracker", 0, STAR_TRACKER),
+        (7.0, health["star_tracker"], 1, 0, STAR_TRACKER + 1),
         (8.0, motion, "rate_known", 1, INERTIAL_UNIT),
     ]
     note_changes(instruments, 0.0, health, motion, memory)

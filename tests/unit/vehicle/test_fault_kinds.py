@@ -81,6 +81,30 @@ def test_every_kind_breaks_the_vehicle_not_before_its_time_and_changes_no_comman
     assert command.tobytes() == before
 
 
+@pytest.mark.parametrize("kind", [kind for kind in FAULT_KINDS.names if about(kind).ends])
+def test_a_fault_that_has_ended_leaves_the_vehicle_as_sound_as_before(tables, sound_vehicle, kind):
+    """Effects end; what was done meanwhile, such as an event that was delayed, is not undone."""
+    name = NAMED.get(about(kind).components[0], "")
+    fault = f"{{{name}kind: {kind}, duration_s: 0.4, at: {{time_s: {BEGINS}}}}}"
+    case, plant, command = broken(tables, fault, others=[INSTRUMENTS])
+    sound = sound_vehicle[1].copy()
+    put_to_use(command, plant, sound)
+    for k in range(60):
+        plant["t"] = sound["t"] = k * CYCLE
+        actuate(case, command, plant)
+        actuate(sound_vehicle[0], command, sound)
+    assert plant["fault_since"][0] == pytest.approx(BEGINS)
+    for done in ("phase_seen", "fault_since", "due", "thrust_held"):
+        sound[done] = plant[done]
+    assert plant.tobytes() == sound.tobytes()
+
+
+@pytest.mark.parametrize("kind", ["wing_lost", "riser_torn", "canopy_torn"])
+def test_a_lost_part_does_not_come_back(kind):
+    with pytest.raises(ConfigError, match=rf"faults.0: {kind} cannot end: leave out duration_s and presence"):
+        edl6dof.load("tianwen1", [f"faults=[{{kind: {kind}, duration_s: 2, at: {{time_s: 1}}}}]"])
+
+
 @pytest.mark.parametrize(
     ("fault", "words"),
     [

@@ -10,6 +10,8 @@ from broken_vehicle import CYCLE, D7, D8, IGNITION, MORTAR, PARACHUTE_PHASE, bro
 from given_functions import actuate
 
 import edl6dof
+from edl6dof.interface.effectors import STUCK_ON
+from edl6dof.vehicle.actuate import is_present
 from edl6dof.vehicle.parachutes.parachute import INFLATING, RELEASED
 from edl6dof.vehicle.plant import THRUST
 from edl6dof.vehicle.propulsion.rcs import fire
@@ -68,6 +70,90 @@ def test_bad_catalyst_takes_thrust_and_leaves_the_flow(tables):
     assert push[2] == pytest.approx(-0.3 * 250.0 * 0.4)
     assert used == pytest.approx(0.9 * 250.0 * 0.4 / (270.0 * 9.80665))
     assert plant["branch_used"].sum() == pytest.approx(used, rel=1e-12)
+
+
+@pytest.mark.parametrize("width", [0.06, 0.2, 0.7])
+def test_slow_valve_gives_the_triangle_or_trapezium_of_its_rise_and_decay(tables, width):
+    """Level after a pulse of width w: h = min(w / rise, 1); impulse F (h w - h2 rise / 2 + h2 decay / 2)."""
+    rise, decay = 0.3, 0.4
+    slow = f"slow: {{rise_s: {rise}, decay_s: {decay}}}"
+    case, plant, command = broken(tables, f"{{thruster: D7, kind: slow, {slow}, at: {{time_s: 0}}}}")
+    push, used = impulse(case, plant, command, 80, (D7, 0.1, 0.1 + width))
+    h = min(width / rise, 1.0)
+    assert -push[2] == pytest.approx(250.0 * (h * width + 0.5 * h * h * (decay - rise)), rel=1e-12)
+    assert used == pytest.approx(-push[2] / (270.0 * 9.80665), rel=1e-12)
+
+
+@pytest.mark.parametrize(("thrust", "flow"), [(0.2, 0.2), (1.0, 1.0), (0.0, 0.3), (0.1, 0.4)])
+def test_leak_adds_to_what_the_valve_lets_through_until_the_latch_valve_shuts(tables, thrust, flow):
+    """Of hot gas thrust and flow are the same share; what leaks without reacting gives less thrust."""
+    leak = f"leaking: {{thrust_factor: {thrust}, flow_factor: {flow}}}"
+    case, plant, command = broken(tables, f"{{thruster: D7, kind: leaking, {leak}, at: {{time_s: 0.2}}}}")
+    push, used = impulse(case, plant, command, 50, (D7, 0.4, 0.6))
+    assert push[2] == pytest.approx(-250.0 * (0.8 * thrust + 0.2 * (1.0 - thrust)))
+    assert used == pytest.approx(250.0 / (270.0 * 9.80665) * (0.8 * flow + 0.2 * (1.0 - flow)))
+    assert plant["branch_used"][case["branches"]["of"][D7]] == pytest.approx(used, rel=1e-12)
+    command["latch_closed"][case["branches"]["of"][D7]] = 1
+    command["valve_close_time"] = 0.0
+    plant["valves"]["level"][:] = 0.0
+    push, used = impulse(case, plant, command, 50)
+    assert not push.any() and used == 0.0
+
+
+def test_fault_ends_at_its_time_and_the_valve_obeys_again(tables):
+    case, plant, command = broken(
+        tables, "{thruster: D7, kind: stuck_off, duration_s: 0.2, at: {time_s: 0.2}}"
+    )
+    # shut from 0.2 to 0.4 s, where it begins to rise again
+    assert impulse(case, plant, command, 40, (D7, 0.1, 0.5))[0][2] == pytest.approx(-250.0 * 0.2)
+    case, plant, command = broken(
+        tables, "{thruster: D7, kind: stuck_on, duration_s: 0.2, at: {time_s: 0.2}}"
+    )
+    assert impulse(case, plant, command, 40)[0][2] == pytest.approx(-250.0 * 0.2)
+    assert plant["valves"]["fault"][D7] == 0
+
+
+def presences(tables, presence, intervals, profile):
+    """Intervals of 0.1 s in which the second of two intermittent faults of a flight is present, bool."""
+    faults = [
+        f"{{thruster: {name}, kind: stuck_off, presence: {p}, at: {{time_s: 0}}}}"
+        for name, p in (("D1", 0.5), ("D7", presence))
+    ]
+    case, _, _ = broken(tables, *faults, others=[f"profile={profile}"])
+    slot = case["faults"]["slots"][1]
+    cycles = np.array([is_present(slot, k * CYCLE) for k in range(5 * intervals)]).reshape(intervals, 5)
+    assert np.all(cycles == cycles[:, :1])
+    return cycles[:, 0]
+
+
+def test_intermittent_fault_is_present_in_its_share_of_intervals_independent_of_each_other(tables):
+    """Binomial and runs, each within four standard deviations; the first interval always counts."""
+    for presence in (0.1, 0.5, 0.9):
+        found = presences(tables, presence, 2000, profile=0)
+        assert found[0]
+        spread = np.sqrt(presence * (1.0 - presence) / 2000)
+        assert found[1:].mean() == pytest.approx(presence, abs=4.0 * spread)
+        both = (found[1:-1] & found[2:]).mean()
+        assert both == pytest.approx(presence**2, abs=4.0 * np.sqrt(presence**2 / 2000))
+    assert presences(tables, 1.0, 50, profile=0).all()
+
+
+def test_random_numbers_of_an_intermittent_fault_belong_to_its_flight(tables):
+    first, again, other = (presences(tables, 0.5, 200, profile) for profile in (4, 4, 5))
+    assert np.array_equal(first, again) and 60 < (first != other).sum() < 140
+
+
+def test_intermittent_fault_acts_in_the_intervals_in_which_it_is_present(tables):
+    fault = "{thruster: D7, kind: stuck_on, presence: 0.5, interval_s: 0.2, at: {time_s: 0}}"
+    case, plant, command = broken(tables, fault)
+    states = []
+    for k in range(500):
+        plant["t"] = k * CYCLE
+        actuate(case, command, plant)
+        states.append(int(plant["valves"]["fault"][D7]))
+    slot = case["faults"]["slots"][0]
+    assert states == [STUCK_ON * is_present(slot, k * CYCLE) for k in range(500)]
+    assert 150 < states.count(STUCK_ON) < 350
 
 
 @pytest.mark.parametrize("thruster", [D7, D8])

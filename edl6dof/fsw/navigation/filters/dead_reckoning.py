@@ -89,13 +89,13 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     memory.force_gap = _widen(
         P, first=V, sigma=params.unknown_force, known=motion.force_known, dt=motion.dt, gap=memory.force_gap
     )
-    adopted = sensed.stars.valid != 0 and health.star_tracker != 0
+    adopted = motion.fixes > 0
     if adopted:
         adopt_attitude(sensed, motion, solution)
     if memory.time >= params.every - 0.5 * motion.dt or adopted:
         _step(params.gravity, onboard, motion, solution, memory)
         if adopted:
-            _forget(P, TURN, onboard.instruments.star_sigma**2)
+            _forget(P, TURN, onboard.instruments.star_sigma**2 + motion.fix_doubt)
         report_covariance(onboard.planet, P, solution)
 
 

@@ -51,6 +51,14 @@ class ErrorStateParams(Params):
         ge=1.0,
         le=20.0,
     )
+    doubt_m_s: float = param(
+        0.25,
+        "standard deviation of an error of the velocity that a beam with a bias may have caused before it "
+        "was detected; the identification of the wrong beam allows for it",
+        status="estimate",
+        ge=0.0,
+        le=100.0,
+    )
     patience: int = param(
         10,
         "consecutive looks in which most beams are rejected after which the solution counts as wrong",
@@ -117,8 +125,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     """Accumulate the motion; when due, propagate the covariance and update it with star tracker and radar."""
     accumulate(params, motion, solution, memory)
     early = 0.5 * motion.dt
-    stars = sensed.stars.valid != 0 and health.star_tracker != 0
-    stars = stars and sensed.t - memory.stars_t > params.star_interval - early
+    stars = motion.fixes > 0 and sensed.t - memory.stars_t > params.star_interval - early
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
     echoes = count_usable_beams(health, sensed.radar, onboard.instruments.n_beams)
     radar = radar and echoes > 0

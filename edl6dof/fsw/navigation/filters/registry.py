@@ -3,10 +3,10 @@
 A member has two kernels. ``start(params, onboard, sensed, solution, memory)`` runs once, when ground tracking
 and star tracker have started the ``solution`` (``SOLUTION``). ``correct(params, onboard, health, sensed,
 motion, solution, memory)`` runs in every base cycle after the solution was propagated by ``motion``
-(``MOTION``), and corrects it by star tracker and radar of ``sensed`` (``SENSED``), as far as ``health``
-(``INSTRUMENT_HEALTH``) trusts them; it also writes the standard deviations and the refused beams into
-``solution``. ``params`` and ``memory`` belong to the member. ``reads`` names the fields of the sensed record
-that a member needs.
+(``MOTION``), and corrects it by the star fix of ``motion`` and the radar of ``sensed`` (``SENSED``), as far
+as ``health`` (``INSTRUMENT_HEALTH``) trusts it; it also writes the standard deviations and the refused beams
+into ``solution``. ``params`` and ``memory`` belong to the member. ``reads`` names the fields of the sensed
+record that a member needs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 from edl6dof.config.base import group
 from edl6dof.fsw.navigation.derived import DragFilterParams
-from edl6dof.fsw.navigation.exclusions import BeamWatchParams, StarWatchParams
+from edl6dof.fsw.navigation.exclusions import BeamWatchParams
 from edl6dof.fsw.navigation.filters import (
     dead_reckoning,
     error_state,
@@ -27,6 +27,7 @@ from edl6dof.fsw.navigation.integrity import GuardParams
 from edl6dof.fsw.navigation.parity_test import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.redundancy import SaturationParams
+from edl6dof.fsw.navigation.star_fixes import StarWatchParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
@@ -45,7 +46,7 @@ class NavigationParams(_Filters):
 
     parity: ParityParams = group(ParityParams, "fault detection of redundant gyros and accelerometers")
     beam_watch: BeamWatchParams = group(BeamWatchParams, "exclusion of beams of the radar")
-    star_watch: StarWatchParams = group(StarWatchParams, "exclusion of the star tracker")
+    star_watch: StarWatchParams = group(StarWatchParams, "exclusion of star trackers")
     saturation: SaturationParams = group(SaturationParams, "treatment of saturated gyros")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")

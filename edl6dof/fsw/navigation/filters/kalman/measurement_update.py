@@ -8,8 +8,10 @@ times covariance.
 If readings are used one after the other and a wrong one comes first, the others seem wrong. All readings are
 therefore tested together before use: with innovations n and their covariance S, leaving out reading i lets
 n'S^-1 n fall by (S^-1 n)_i^2 / (S^-1)_ii, the square of a standard normal number as long as reading i is
-correct (data snooping). When most readings are refused repeatedly, the solution counts as wrong instead of
-the readings.
+correct (data snooping). Half the difference of the falls of two readings is the logarithm of the likelihood
+ratio of the hypotheses that the one or the other is wrong: readings whose falls are nearly equal, such as
+those of four beams on one cone, show that one of them is wrong, but not which. When most readings are refused
+repeatedly, the solution counts as wrong instead of the readings.
 
 Sources: P. D. Joseph's form for a scalar, in Bierman, Factorization Methods for Discrete Sequential
 Estimation (1977), chapter V; with consider states (gain zero) Woodbury and Junkins, AIAA 2010-7752; W.
@@ -81,13 +83,15 @@ def refused_again(count, refused, usable):
     return count + 1 if 2 * refused > usable else 0
 
 
-#: No reading.
-NONE = -1
+#: No reading; difference of the falls of two readings from which on the larger one identifies the wrong
+#: reading (it is exp(4.5) = 90 times as likely).
+NONE, DISTINCT = -1, 9.0
 
 
 @kernel
 def outlier(gate, count, spread, innovation):
-    """Index of the reading to leave out of ``count``, or ``NONE``.
+    """Index of the reading to leave out of ``count``, or ``NONE``; and the largest square of a reading if one
+    is wrong but not identified, as another one may be wrong instead; else one.
 
     Args:
         gate: standard deviations beyond which a reading is an outlier.
@@ -96,15 +100,19 @@ def outlier(gate, count, spread, innovation):
         innovation: each reading less its expected value.
     """
     invert(count, spread)
-    found, most = NONE, gate * gate
+    found, most, second = NONE, 0.0, 0.0
     for i in range(count):
         weighed = 0.0
         for j in range(count):
             weighed += spread[i, j] * innovation[j]
         fall = weighed * weighed / spread[i, i]
         if fall > most:
-            found, most = i, fall
-    return found
+            found, most, second = i, fall, most
+        else:
+            second = max(second, fall)
+    if most <= gate * gate:
+        return NONE, 1.0
+    return (found, 1.0) if most - second > DISTINCT else (NONE, most)
 
 
 @kernel
@@ -138,18 +146,16 @@ def predicted_variance(covariance, considered, row, product):
             product[k] += row[k] * considered[k]
             for i in range(n):
                 product[i] += row[k] * covariance[i, k]
-    variance = 0.0
-    for j in range(m):
-        variance += row[j] * product[j]
-    return variance
+    return explained_by(row, product)
 
 
 @kernel
-def explained_by(row, correction):
-    """Part of an innovation that the present ``correction`` explains."""
+def explained_by(row, errors):
+    """Part of a reading of sensitivity ``row``, most of it zero, that ``errors`` explain."""
     explained = 0.0
-    for i in range(correction.shape[0]):
-        explained += row[i] * correction[i]
+    for i in range(errors.shape[0]):
+        if row[i] != 0.0:
+            explained += row[i] * errors[i]
     return explained
 
 
@@ -235,12 +241,12 @@ def apply_correction(memory, solution):
 
 @kernel
 def update_by_stars(params, onboard, sensed, motion, solution, memory):
-    """Update covariance and correction with a valid star fix."""
-    q, measured = attitude_at(solution, motion, sensed.t), sensed.stars.q_I2B
-    fix = take4(measured)
-    turn = rotation_vector(multiply(fix, conjugate(q)))
+    """Update covariance and correction with a star fix."""
+    q = attitude_at(solution, motion, sensed.t)
+    turn = rotation_vector(multiply(take4(motion.fix_q_I2B), conjugate(q)))
     x, y, z = axes(q)
-    row, refused, noise = memory.row, 0, onboard.instruments.star_sigma**2
+    row, refused = memory.row, 0
+    noise = onboard.instruments.star_sigma**2 / motion.fixes + motion.fix_doubt
     up = unit(take3(solution.r_I, 0))
     for i in range(3):
         clear_row(row)

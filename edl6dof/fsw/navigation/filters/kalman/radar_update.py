@@ -18,6 +18,7 @@ from math import sqrt
 
 from edl6dof.fsw.navigation.filters.kalman.covariance import reopen_slope
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
+    NONE,
     clear_row,
     explained_by,
     outlier,
@@ -34,7 +35,6 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     SPEED_SCALE,
     TERRAIN,
     VELOCITY,
-    WIDTH,
 )
 from edl6dof.fsw.navigation.radar_beams import (
     STEEPEST,
@@ -50,8 +50,9 @@ from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
 
 @kernel
-def find_outlier(gate, n_beams, present, healthy, memory):
-    """Index of the trusted reading that agrees least with the others and the solution, or ``NONE``.
+def find_outlier(params, n_beams, present, healthy, memory):
+    """Index of the wrong reading among the trusted ones, or ``NONE``; if one is wrong but not identified, the
+    noise of all is increased, to which it then conforms.
 
     A missing reading enters with zero innovation and without correlations.
     """
@@ -64,14 +65,18 @@ def find_outlier(gate, n_beams, present, healthy, memory):
             row = memory.rows[i]
             own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
             rest[i] = memory.innovation[i] - explained_by(row, memory.correction)
-            spread[i, i] = own + memory.noise[i]
+            v = scale(params.doubt**2, take3(row, VELOCITY))
+            spread[i, i] = own + memory.noise[i] + dot(v, take3(row, VELOCITY))
             for j in range(i):
                 if present >> j & 1 and healthy[j] != 0:
-                    common = 0.0
-                    for k in range(WIDTH):
-                        common += memory.product[k] * memory.rows[j, k]
+                    common = explained_by(memory.rows[j], memory.product)
+                    common += dot(v, take3(memory.rows[j], VELOCITY))
                     spread[i, j] = spread[j, i] = common
-    return outlier(gate, n_beams, spread, rest)
+    wrong, factor = outlier(params.gate, n_beams, spread, rest)
+    for i in range(n_beams):
+        if present >> i & 1:
+            memory.noise[i] *= factor
+    return wrong
 
 
 @kernel
@@ -80,11 +85,12 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
     innovation of each trusted one into ``deviations``.
 
     Returns:
-        bits of the beams used; bits of the beams refused; number of trusted readings; number of trusted
-        readings refused, and their least squared innovation.
+        bits of the beams used; bits of the beams known as wrong: the identified one of the trusted readings,
+        unless most are refused, and the refused ones of the others; number of trusted readings; number of
+        trusted readings refused, and their least squared innovation.
     """
-    left_out = find_outlier(params.gate, n_beams, present, healthy, memory)
-    used, refused, tried, against, least = 0, 0, 0, 0, 0.0
+    left_out = find_outlier(params, n_beams, present, healthy, memory)
+    used, wrong, tried, against, least = 0, 0, 0, 0, 0.0
     for beam in range(n_beams):
         deviations[beam] = 0.0
         if present >> beam & 1 == 0:
@@ -95,9 +101,9 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
             params, memory.noise[beam], innovation, up, believed, row=row, memory=memory
         )
         agrees = agrees and beam != left_out
-        if not agrees:
-            refused |= 1 << beam
-        if trusted:
+        if not trusted:
+            wrong |= 0 if agrees else 1 << beam
+        else:
             deviations[beam] = deviation
             tried += 1
             if agrees:
@@ -105,7 +111,9 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
             else:
                 against += 1
                 least = innovation**2 if against == 1 else min(least, innovation**2)
-    return used, refused, tried, against, least
+    if left_out != NONE and 2 * against <= tried:
+        wrong |= 1 << left_out
+    return used, wrong, tried, against, least
 
 
 @kernel
@@ -137,11 +145,11 @@ def expect_speeds(onboard, radar, antenna, memory):
 
 @kernel
 def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
-    """Update with the speeds along the beams; returns bits of the beams used, and of those refused."""
+    """Update with the speeds along the beams; returns bits of the beams used, and of those known as wrong."""
     n_beams = onboard.instruments.n_beams
     expect_speeds(onboard, radar, antenna, memory)
     locked, up, deviations = locked_beams(radar, n_beams), antenna[4], solution.speed_innovation
-    used, refused, tried, against, least = update_by_beams(
+    used, wrong, tried, against, least = update_by_beams(
         params, n_beams, locked, health.beam_speed, up, memory=memory, deviations=deviations
     )
     if tried > 1:  # a single beam may be wrong itself
@@ -150,7 +158,7 @@ def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
         for i in range(VELOCITY, VELOCITY + 3):
             memory.covariance[i, i] += least
         memory.speeds_refused = 0
-    return used, refused
+    return used, wrong
 
 
 #: Number of ranges that a plane always fits, as it has a height and two slopes.
@@ -218,7 +226,7 @@ def update_by_ranges(params, onboard, health, radar, speeds, antenna, solution, 
     n_beams, up, deviations = onboard.instruments.n_beams, antenna[4], solution.range_innovation
     normal = ground_normal(up, solution.slope)
     present, off_ground = expect_ranges(params, onboard, radar, antenna, normal, memory=memory)
-    used, refused, tried, against, least = update_by_beams(
+    used, wrong, tried, against, least = update_by_beams(
         params, n_beams, present & speeds, health.beam_range, up, memory=memory, deviations=deviations
     )
     if tried >= PLANE and against == 0:
@@ -230,7 +238,7 @@ def update_by_ranges(params, onboard, health, radar, speeds, antenna, solution, 
         if 2 * against > tried or memory.plane_seen == 0:
             memory.covariance[TERRAIN, TERRAIN] += least
         memory.ranges_refused = 0
-    return used, 0 if other_ground else refused & off_ground
+    return used, 0 if other_ground else wrong & off_ground
 
 
 @kernel
