@@ -143,7 +143,7 @@ def run(functions, onboard, sensed, k, fsw):
     count_propellant(vehicle, goal.thrust, fsw.modulation, dt, control_dt, state=state)
     for i in range(command.request.shape[0]):
         if command.request[i] != 0:
-            restart(fsw.diagnosis)
+            restart(1, fsw.diagnosis)
 
     # hazard detection
     detect_hazards(

@@ -100,6 +100,16 @@ def test_force_and_torque_feign_no_fault(tool, plan):
     assert len(rows) == FLIGHTS and often(rows, lambda row: row["isolated"] == "")
 
 
+def test_a_jerk_of_the_canopy_that_follows_the_latch_valve_by_chance_names_no_leak(tool):
+    """In an unexpected wind of 40 m/s, the flight of a thousand in which A1 was named when the jerk counted
+    with every later movement.
+    """
+    wind = "wind={model: constant, constant: {north_m_s: 40}}"
+    plan = load_plan("tianwen1_mc", (wind,), cases=125, seed=7001)
+    (row,) = fly_rows(plan.loaded, plan.cases(118, 119), collect=tool.isolated)
+    assert row["isolated"] == ""
+
+
 def test_a_tone_of_any_strength_hides_no_fault_from_force_and_torque(tool):
     """It is predicted, and so removed from the residual."""
     unit = "sensors.inertial_unit.vibration"

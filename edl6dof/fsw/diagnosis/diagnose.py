@@ -43,6 +43,7 @@ from edl6dof.fsw.diagnosis.leak_isolation import (
     LEAK,
     METER_FAILED,
     NAMED,
+    branch_to_verify,
     leaking_branch,
     reopen_branch,
     start_leak_isolation,
@@ -158,11 +159,15 @@ WRITES = ("healthy", "loss")
 
 
 @kernel
-def restart(memory):
-    """Reset the evidence, as after a change of the vehicle or of the forces on it."""
+def restart(hidden, memory):
+    """Reset the evidence. After a change of the vehicle or of the forces on it a valve may have opened
+    ``hidden`` from diagnosis (1); an isolated fault explains what was seen before it (0).
+    """
     restart_residual(memory.residual)
     forget_all(memory.hypotheses)
     memory.streak = 0
+    for i in range(MAX_THRUSTERS):
+        memory.leak.unverified[i] = hidden * memory.residual.taken
 
 
 @kernel
@@ -174,7 +179,7 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
         one.confidence, one.t = confidence, t
         memory.n_isolated += 1
     forget_branch(vehicle, i, memory.flow)
-    restart(memory)
+    restart(0, memory)
 
 
 @kernel
@@ -216,7 +221,7 @@ def isolate_dead(params, signals, i, loss, memory):
 def exclude_meter(b, t, memory):
     """Exclude the flow meter of branch ``b`` as failed at flight time ``t`` (s)."""
     memory.flow.meter_failed[b], memory.flow.failed_at[b] = 1, t
-    restart(memory)
+    restart(0, memory)
 
 
 @kernel
@@ -271,6 +276,8 @@ def diagnose(params, signals, memory):
     if settled:
         update_evidence(params, signals, residual, flow, best)
     if memory.leak.branch != NONE:
+        if settled:
+            suspect_leak(params, signals, residual, flow, memory.leak, memory=best)
         continue_leak_isolation(params, signals, memory)
         return
     impossible = impossible_meter(metered, vehicle.branches, flow)
@@ -279,19 +286,21 @@ def diagnose(params, signals, memory):
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         before = (best.thruster, best.kind)
-        compare(params, vehicle, metered, signals.healthy, flow, memory=best)
+        compare(params, vehicle, metered, signals.healthy, flow, memory.leak, memory=best)
         update_streak(params, before, memory)
         if settled:
-            suspect_leak(params, signals, residual, flow, best)
+            suspect_leak(params, signals, residual, flow, memory.leak, memory=best)
         no_response = memory.streak >= params.streak and best.loss > OPEN_LOSS
         suspected = vehicle.branches.of[best.thruster]
         if (best.kind == STUCK_ON or no_response) and not is_read(metered, suspected, flow):
             leaking, metered_leak = suspected, False
+        elif settled and best.kind == NOTHING:
+            leaking, metered_leak = branch_to_verify(params, signals, residual, flow, memory.leak), False
     if leaking != NONE:
         # an opening parachute resembles a valve that opens, and may follow the latch valve by chance; a
         # thruster that does not respond has failed in any case
-        doubt = 1.5 * params.prior if best.kind == STUCK_ON else 0.0
-        flowing = flow.residual[leaking]
+        no_loss = best.kind == STUCK_ON or best.kind == NOTHING
+        doubt, flowing = 1.5 * params.prior if no_loss else 0.0, flow.residual[leaking]
         start_leak_isolation(signals, leaking, metered_leak, flowing, doubt=doubt, memory=memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)

@@ -4,14 +4,14 @@ A thruster that was commanded to fire and has lost the fraction L of its thrust 
 in the innovations of :mod:`edl6dof.fsw.diagnosis.residual`. A valve that stays open does so with L = 1
 whenever its thruster is commanded; in addition its opening leaves the signature of a step.
 
-The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size: with the
-weighted sum of squares S of the innovations over n cycles, and S' of the innovations less the prediction of
-the hypothesis, n (m / 2) ln((S + S0) / (S' + S0)). m counts 2 of the 5 components because they are not
-independent; S0 is the sum that the errors of the onboard models explain. A disturbance unlike a thruster,
-however large, leaves S' near S and is no evidence; for a loss, a cycle counts the less, the more of its
-innovation the hypothesis does not explain. Only cycles in which a hypothesis predicts an innovation count for
-it, and its sums are reset whenever the evidence contradicts it, so the time of the fault need not be known
-(Page's test).
+The evidence is the log likelihood ratio against "no thruster has failed" for noise of unknown size in each of
+three planes (roll, and the two of a lateral force and its torque): with the weighted sum of squares S of the
+innovations of a plane over n cycles, and S' of the innovations less the prediction of the hypothesis, it is
+the sum of n (m / 2) ln((S + S0) / (S' + S0)). m counts a plane as one component; S0 is the sum that the
+errors of the onboard models explain. A disturbance unlike a thruster, however large, leaves S' near S and is
+no evidence; a cycle counts the less, the more of its innovation no fraction of the thrust explains.
+Only cycles in which a hypothesis predicts an innovation count for it, and its sums are reset whenever the
+evidence contradicts it, so the time of the fault need not be known (Page's test).
 
 Where a flow meter is trusted, its evidence (:mod:`edl6dof.fsw.diagnosis.flow_evidence`) adds to that of force
 and torque. The loss of flow then has several explanations, which compete by their posterior odds. Each fault
@@ -51,11 +51,11 @@ from edl6dof.fsw.diagnosis.flow_evidence import (
     is_waiting,
 )
 from edl6dof.fsw.diagnosis.residual import (
-    AXES,
+    PLANES,
     TAPS,
     WINDOW,
+    add_response,
     add_signature,
-    clear_signature,
     compare_signature,
 )
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
@@ -64,21 +64,23 @@ from edl6dof.kernels import kernel
 from edl6dof.records import record, whole
 from edl6dof.spatial.elementary import exp, log
 
-COMPONENTS = 2.0
+COMPONENTS = 1.0  # independent components of a plane
 LEAST_SEEN = 0.05  # weighted square of a signature from which a cycle counts
 OUTLIER = 25.0  # weighted square of the unexplained innovation that halves the weight of a cycle
 ONSET = 25.0  # weighted square of two innovations from which the opening of a valve is looked for
 
+HIDDEN = -1.0  # evidence for an opening from which it may have been hidden by the disturbance
+
 #: No kind of fault.
 NOTHING = 0
 
-#: Weighted sums over the cycles that count: innovation times prediction, prediction squared, innovation
-#: squared; number of cycles.
+#: Weighted sums of a plane over the cycles that count: innovation times prediction, prediction squared,
+#: innovation squared; number of cycles.
 SUMS = record(("cross", "f8"), ("own", "f8"), ("all", "f8"), ("cycles", "f8"))
 
 HYPOTHESES = record(
-    ("off", SUMS, (MAX_THRUSTERS,)),
-    ("dead", SUMS, (MAX_BRANCHES,)),  # nothing flows through the branch
+    ("off", SUMS, (MAX_THRUSTERS, PLANES)),
+    ("dead", SUMS, (MAX_BRANCHES, PLANES)),  # nothing flows through the branch
     # the most probable hypothesis of the last cycle
     ("thruster", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
     ("branch", whole(NONE, MAX_BRANCHES - 1)),  # branch whose thrusters have all failed; NONE: one thruster
@@ -94,18 +96,18 @@ HYPOTHESES = record(
 
 @kernel
 def trust(along, square, every):
-    """Return the weight of a cycle for a loss of unknown size: the less, the more of the innovation the
-    hypothesis does not explain; arguments as of :func:`collect`.
+    """Return the weight of a cycle: the less, the more of the innovation no fraction of the predicted one
+    explains; arguments as of :func:`collect`.
     """
-    explained = max(along, 0.0) ** 2 / square if square > 0.0 else 0.0
-    return 1.0 / (1.0 + max(every - explained, 0.0) / OUTLIER)
+    size = min(max(along / square, 0.0), 1.0) if square > 0.0 else 0.0
+    return 1.0 / (1.0 + max(every - size * (2.0 * along - size * square), 0.0) / OUTLIER)
 
 
 @kernel
 def collect(sums, keep, along, square, every, share):
-    """Add a cycle with the weight ``share`` to the sums of a hypothesis; ``along``, ``square`` and ``every``:
-    weighted products innovation times prediction, prediction squared and innovation squared; ``keep``: factor
-    on the sums so far.
+    """Add a cycle with the weight ``share`` to the sums of a hypothesis in a plane; ``along``, ``square`` and
+    ``every``: weighted products innovation times prediction, prediction squared and innovation squared;
+    ``keep``: factor on the sums so far.
     """
     if square < LEAST_SEEN:
         return
@@ -116,9 +118,21 @@ def collect(sums, keep, along, square, every, share):
 
 
 @kernel
+def add_innovation(sums, keep, residual):
+    """Add the latest innovation, compared with ``residual.signature``, to the sums of a hypothesis."""
+    residual.product[:] = 0.0
+    compare_signature(residual.taken - 1, residual)
+    for g in range(PLANES):
+        along, square = residual.product[0, g], residual.product[1, g]
+        every = residual.square[(residual.taken - 1) % WINDOW, g]
+        collect(sums[g], keep, along, square, every, share=trust(along, square, every))
+
+
+@kernel
 def forget(sums):
     """Reset the sums of a hypothesis."""
-    sums.cross = sums.own = sums.all = sums.cycles = 0.0
+    for g in range(PLANES):
+        sums[g].cross = sums[g].own = sums[g].all = sums[g].cycles = 0.0
 
 
 @kernel
@@ -133,24 +147,26 @@ def forget_all(memory):
 
 
 @kernel
+def plane_evidence(cycles, every, explained):
+    """Return the log likelihood ratio in a plane of a hypothesis that explains a part of the sum of squares
+    ``every``.
+    """
+    floor = COMPONENTS * cycles
+    if floor <= 0.0:
+        return 0.0
+    return 0.5 * floor * log((every + floor) / (max(every - explained, 0.0) + floor))
+
+
+@kernel
 def evidence(sums, size):
     """Return the log likelihood ratio of a hypothesis with amplitude ``size`` (fraction of thrust lost; 1 for
     an open valve) against no fault.
     """
-    floor = COMPONENTS * sums.cycles
-    left = max(sums.all - 2.0 * size * sums.cross + size * size * sums.own, 0.0)
-    return min(0.5 * COMPONENTS * sums.cycles * log((sums.all + floor) / (left + floor)), LARGEST)
-
-
-@kernel
-def may_reach(least, sums, size):
-    """Return whether :func:`evidence` may reach ``least``; the bound ln x <= x - 1 excludes most hypotheses
-    without a logarithm.
-    """
-    floor = COMPONENTS * sums.cycles
-    explained = size * (2.0 * sums.cross - size * sums.own)
-    left = max(sums.all - explained, 0.0)
-    return 0.5 * COMPONENTS * sums.cycles * explained >= least * (left + floor)
+    found = 0.0
+    for g in range(PLANES):
+        explained = size * (2.0 * sums[g].cross - size * sums[g].own)
+        found += plane_evidence(sums[g].cycles, sums[g].all, explained)
+    return min(found, LARGEST)
 
 
 @kernel
@@ -168,7 +184,6 @@ def update_evidence(params, signals, residual, flow, memory):
     """
     vehicle, share, effectiveness = signals.vehicle, signals.activity.share, signals.effectiveness
     keep = 1.0 - 1.0 / params.memory_cycles
-    every = residual.square[(residual.taken - 1) % WINDOW]
     for i in range(vehicle.n_thrusters):
         if residual.idle[i] >= TAPS or signals.healthy[i] == 0:
             continue
@@ -177,66 +192,95 @@ def update_evidence(params, signals, residual, flow, memory):
             expected = flow.expected[b]
             if expected > 0.0 and not fires_alone(expected, share[i] * full_flow(vehicle.thrusters[i])):
                 continue
-        clear_signature(residual)
+        residual.signature[:] = 0.0
         add_signature(i, effectiveness[i], residual)
-        along, square = compare_signature(residual)
-        collect(memory.off[i], keep, along, square, every, share=trust(along, square, every))
+        add_innovation(memory.off[i], keep, residual)
     for b in range(vehicle.branches.count if signals.metered else 0):
         if flow.shows_loss[b] == 0:
             forget(memory.dead[b])
             continue
-        clear_signature(residual)
+        residual.signature[:] = 0.0
         for i in range(vehicle.n_thrusters):
             if vehicle.branches.of[i] == b:
                 add_signature(i, effectiveness[i], residual)
-        along, square = compare_signature(residual)
-        collect(memory.dead[b], keep, along, square, every, share=trust(along, square, every))
+        add_innovation(memory.dead[b], keep, residual)
 
 
 @kernel
 def onset_evidence(i, effectiveness, residual):
-    """Return the evidence that the valve of thruster ``i`` has opened within the oldest stored cycle and
-    stays open.
-
-    The share of that cycle for which it was open is the one in 0 to 1 that fits best.  Sums of weighted
-    products of p, the signature of the open valve in that cycle, s, that in the following cycles, and e, the
-    innovation.
+    """Return the evidence that the valve of thruster ``i`` has opened within the oldest stored cycle, at the
+    most probable of five times, and stays open; negative evidence excludes it.
     """
-    first = residual.taken - WINDOW
-    pp = ps = ss = ep = es = every = 0.0
-    for j in range(WINDOW):
-        row = (first + j) % WINDOW
-        every += residual.square[row]
-        for c in range(AXES):
-            p = residual.filter[j, c] * (1.0 - residual.share[first % TAPS, i])
-            s = 0.0
-            for m in range(1, j + 1):
-                s += residual.filter[j - m, c] * (1.0 - residual.share[(first + m) % TAPS, i])
-            p, s = p * effectiveness[c + 1], s * effectiveness[c + 1]
-            weight, e = residual.weight[row, c], residual.value[row, c]
-            pp, ps, ss = pp + weight * p * p, ps + weight * p * s, ss + weight * s * s
-            ep, es = ep + weight * e * p, es + weight * e * s
-    open_share = min(max((ep - ps) / pp, 0.0), 1.0) if pp > 0.0 else 0.0
-    explained = 2.0 * (es + open_share * ep) - ss - open_share * (2.0 * ps + open_share * pp)
-    floor = COMPONENTS * WINDOW
-    if explained <= 0.0:
-        return 0.0
-    return 0.5 * COMPONENTS * WINDOW * log((every + floor) / (max(every - explained, 0.0) + floor))
+    first, most = residual.taken - WINDOW, -LARGEST
+    for quarters in range(5):
+        residual.product[:] = 0.0
+        for j in range(WINDOW):
+            residual.signature[:] = 0.0
+            for m in range(j + 1):
+                level = 1.0 - residual.share[(first + m) % TAPS, i]
+                add_response(level if m > 0 else 0.25 * quarters * level, j - m, effectiveness, residual)
+            compare_signature(first + j, residual)
+        found = 0.0
+        for g in range(PLANES):
+            explained = 2.0 * residual.product[0, g] - residual.product[1, g]
+            found += plane_evidence(WINDOW, stored_square(g, WINDOW, residual), explained)
+        most = max(most, found)
+    return most
 
 
 @kernel
-def suspect_leak(params, signals, residual, flow, memory):
+def stored_square(g, cycles, residual):
+    """Return the weighted sum of squares of the ``cycles`` oldest stored innovations of plane ``g``."""
+    square = 0.0
+    for j in range(cycles):
+        square += residual.square[(residual.taken + j) % WINDOW, g]
+    return square
+
+
+@kernel
+def changes(cycles, residual):
+    """Return whether the ``cycles`` oldest of the stored innovations show that forces change suddenly."""
+    square = 0.0
+    for g in range(PLANES):
+        square += stored_square(g, cycles, residual)
+    return square >= ONSET
+
+
+@kernel
+def expected_evidence(cycles, effectiveness, residual):
+    """Return the evidence of the next ``cycles`` for a leak that is shut off now, if the innovations stay as
+    large as the stored ones; ``effectiveness``: force and torque of the thruster (6; N, N m).
+    """
+    found = 0.0
+    residual.product[:] = residual.signature[:] = 0.0
+    for j in range(cycles):
+        # the response to a step
+        add_response(1.0, j, effectiveness, residual)
+        compare_signature(residual.taken - 1, residual)
+    for g in range(PLANES):
+        others, own = stored_square(g, WINDOW, residual) * cycles / WINDOW, residual.product[1, g]
+        found += plane_evidence(cycles, others + own, own)
+    return found
+
+
+@kernel
+def suspect_leak(params, signals, residual, flow, leak, memory):
     """Make the opening of a valve the best hypothesis if the stored innovations show one in a branch without
     a meter. Its confidence stays low: moving the latch valve decides. The first cycles of a dead thruster
     resemble the opening of the opposite one; so its evidence has to be twice that of the best loss.
+
+    ``leak``: ``LEAK`` record; thrusters whose opening may have been hidden are marked. While a latch valve is
+    moved, no other is suspected.
     """
-    oldest = residual.taken - WINDOW
-    if residual.square[oldest % WINDOW] + residual.square[(oldest + 1) % WINDOW] < ONSET:
+    if not changes(2, residual):
         return
-    most = max(params.onset, 2.0 * memory.evidence)
+    most = LARGEST if leak.branch != NONE else max(params.onset, 2.0 * memory.evidence)
     for i in range(signals.vehicle.n_thrusters):
-        if signals.healthy[i] != 0 and not is_read(signals.metered, signals.vehicle.branches.of[i], flow):
+        b = signals.vehicle.branches.of[i]
+        if signals.healthy[i] != 0 and not is_read(signals.metered, b, flow):
             found = onset_evidence(i, signals.effectiveness[i], residual)
+            if found > HIDDEN and leak.unverified[i] == 0:
+                leak.unverified[i] = residual.taken
             if found > most:
                 most = found
                 memory.thruster, memory.branch, memory.kind, memory.loss = i, NONE, STUCK_ON, 0.0
@@ -250,16 +294,18 @@ def loss_evidence(params, sums, least, afresh):
 
     Too small a loss resets the sums if ``afresh``.
     """
-    if sums.own <= 0.0:
+    cross = own = 0.0
+    for g in range(PLANES):
+        cross, own = cross + sums[g].cross, own + sums[g].own
+    if own <= 0.0:
         return 0.0, 0.0
-    if sums.cross < params.loss_least * sums.own:
+    if cross < params.loss_least * own:
         if afresh:
             forget(sums)
         return 0.0, 0.0
-    loss = min(sums.cross / sums.own, 1.0)
-    if not may_reach(least, sums, loss):
-        return 0.0, 0.0
-    return loss, evidence(sums, loss)
+    loss = min(cross / own, 1.0)
+    explained = loss * (2.0 * cross - loss * own)
+    return (loss, evidence(sums, loss)) if explained >= 2.0 * least else (0.0, 0.0)  # ln(1 + x) <= x
 
 
 @kernel
@@ -279,14 +325,14 @@ def evidence_by_flow_and_thrust(params, vehicle, waiting, i, flow, memory, least
     flows = flow.off[i].cycles == 0
     loss, lost = loss_evidence(params, memory.off[i], least, flows)
     kind = kind_of(params, loss)
-    if not flows:
+    if flow.suspecting != 0:  # a loss of flow here or elsewhere would be a second fault
         lost -= params.prior
     if kind == DEGRADED and (waiting or loss < params.loss_least + flow.common):
         lost = 0.0
     less, by_flow = confirmed_loss(params.flow, flow.common, flow.off[i])
     if less < params.loss_dead and waiting or flow.unexplained_rest[vehicle.branches.of[i]] > 0:
         by_flow = 0.0
-    felt = evidence(memory.off[i], less) if by_flow > 0.0 and memory.off[i].cycles > 0.0 else 0.0
+    felt = evidence(memory.off[i], less) if by_flow > 0.0 else 0.0
     if by_flow + felt > lost:
         return kind_of(params, less), less, by_flow + felt, by_flow
     return kind, loss, lost, by_flow
@@ -311,19 +357,18 @@ def weigh_explanations(params, flow, memory, b, found):
     if flow.meter_check[b] == UNCHECKED:
         return most
     if loss >= params.loss_dead:
-        felt = evidence(memory.dead[b], 1.0) if memory.dead[b].cycles > 0.0 else 0.0
-        memory.lost[b] = max(memory.lost[b], by_flow + felt)
+        memory.lost[b] = max(memory.lost[b], by_flow + evidence(memory.dead[b], 1.0))
     return most - params.prior
 
 
 @kernel
-def compare(params, vehicle, metered, healthy, flow, memory):
+def compare(params, vehicle, metered, healthy, flow, leak, memory):
     """Find the best hypothesis and its posterior probability among all thrusters, dead branches, failed
     meters and "no fault".
 
     Of each thruster only the most probable fault counts: which thruster has failed matters more than how.
     Evidence below a quarter of the prior is noise: all thrusters together would have less than one per cent
-    of probability with it.
+    of probability with it. A thruster that responds does not leak (``leak``: ``LEAK`` record).
     """
     best, total, least = 0.0, exp(params.prior), 0.25 * params.prior
     for b in range(vehicle.branches.count):
@@ -341,6 +386,8 @@ def compare(params, vehicle, metered, healthy, flow, memory):
             if by_flow > 0.0:
                 most = weigh_explanations(params, flow, memory, b, (loss, most, by_flow))
         else:
+            if leak.unverified[i] != 0 and evidence(memory.off[i], 1.0) < HIDDEN:
+                leak.unverified[i] = 0
             loss, most = loss_evidence(params, memory.off[i], least, True)
             kind = kind_of(params, loss)
         if most >= least:

@@ -10,7 +10,9 @@ branch a known signature in the whitened residual, and hence evidence as in
 If the meter reads a flow while the branch is closed, the meter has failed and the branch is used again; so it
 is if the meter reads none while the branch is open, as when a slow valve has shut at last.
 Without a meter, a leak is suspected when force and torque show that a valve opens, and of any thruster that
-does not respond; the branch is used again if nothing changes when it is closed.
+does not respond; the branch is used again if nothing changes when it is closed. Where a shock (a separation,
+an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
+would show a leak, unless its thrusters respond to commands before that.
 
 Source: none; to switch an input on and off in order to separate its effect from drifts is the lock-in
 technique of measurement.
@@ -18,18 +20,34 @@ technique of measurement.
 
 from __future__ import annotations
 
-from edl6dof.fsw.diagnosis.flow_evidence import LARGEST, MOST_UNEXPLAINED, NONE, full_flow, is_impossible
-from edl6dof.fsw.diagnosis.hypotheses import SUMS, collect, evidence, forget
-from edl6dof.fsw.diagnosis.residual import AXES, TAPS, WINDOW, compare_signature, is_settled
+from edl6dof.fsw.diagnosis.flow_evidence import (
+    LARGEST,
+    MOST_UNEXPLAINED,
+    NONE,
+    full_flow,
+    is_impossible,
+    is_read,
+)
+from edl6dof.fsw.diagnosis.hypotheses import (
+    SUMS,
+    add_innovation,
+    changes,
+    evidence,
+    expected_evidence,
+    forget,
+)
+from edl6dof.fsw.diagnosis.residual import PLANES, TAPS, WINDOW, add_response, is_settled
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
-from edl6dof.spatial.elementary import exp
+from edl6dof.spatial.elementary import exp, log
 
 UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 #: Control cycles after a movement of the latch valve whose flow is not used, and the following ones that make
 #: a look.
 MIXED, LOOK = 1, 3
+PATIENCE = 25  # cycles in which a thruster in use may respond before its branch is closed to verify it
+FEW_LOOKS = 2  # looks that have to be expected to decide before a branch is closed to verify it
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
 
@@ -45,8 +63,15 @@ LEAK = record(
     ("looks", COUNT),
     ("level", "f8", (TAPS,)),  # share of each cycle for which the latch valve was open, a ring
     ("flow", "f8"),  # kg/s: mean flow read after
-    ("sums", SUMS, (MAX_THRUSTERS,)),
+    ("sums", SUMS, (MAX_THRUSTERS, PLANES)),  # of the present look
+    ("found", "f8", (MAX_THRUSTERS,)),  # evidence of the looks before: the noise of each is unknown
     ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
+    (
+        "unverified",
+        COUNT,
+        (MAX_THRUSTERS,),
+    ),  # cycle since which the valve may be open without being seen; 0: not
+    ("next", whole(0, MAX_THRUSTERS - 1, of="thrusters")),  # the one that is verified next
 )
 
 
@@ -68,6 +93,48 @@ def leaking_branch(params, vehicle, healthy, flow):
 
 
 @kernel
+def is_commanded(b, vehicle, residual):
+    """Return whether the latest innovation depends on commands to a thruster of branch ``b``."""
+    idle = TAPS
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            idle = min(idle, residual.idle[i])
+    return idle < TAPS
+
+
+@kernel
+def would_decide(params, signals, residual, b):
+    """Return whether ``FEW_LOOKS`` movements of the latch valve of branch ``b`` are expected to show for each
+    of its thrusters whether it leaks.
+    """
+    least = -log(1.0 - params.confidence) / FEW_LOOKS
+    for i in range(signals.vehicle.n_thrusters):
+        on_branch = signals.vehicle.branches.of[i] == b
+        if on_branch and expected_evidence(LOOK, signals.effectiveness[i], residual) < least:
+            return False
+    return True
+
+
+@kernel
+def branch_to_verify(params, signals, residual, flow, memory):
+    """Return the branch of the next thruster without a meter whose valve may have opened without being seen,
+    if the latch valve would decide that now, or ``NONE``. Thrusters in use have time to respond before that.
+    """
+    count = signals.vehicle.n_thrusters
+    for _ in range(count):
+        memory.next = (memory.next + 1) % count
+        if memory.unverified[memory.next] != 0 and signals.healthy[memory.next] != 0:
+            break
+    i, b = memory.next, signals.vehicle.branches.of[memory.next]
+    known = memory.unverified[i] == 0 or signals.healthy[i] == 0 or is_read(signals.metered, b, flow)
+    if known or changes(WINDOW, residual) and not changes(1, residual):  # an opening, still to be evaluated
+        return NONE
+    if residual.taken - memory.unverified[i] < PATIENCE and is_commanded(b, signals.vehicle, residual):
+        return NONE
+    return b if would_decide(params, signals, residual, b) else NONE
+
+
+@kernel
 def start_leak_isolation(signals, b, metered, leak, doubt, memory):
     """Take branch ``b`` out of use to isolate a leak, and close it if its meter shows the leak (``metered``),
     of the flow ``leak`` (kg/s); ``doubt``: otherwise the log prior odds that no thruster leaks.
@@ -76,6 +143,7 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
     memory.metered, memory.doubt = 1 if metered else 0, doubt
     memory.branch, memory.looks, memory.flow = b, 0, 0.0
     memory.open, memory.cycles = 0 if metered else 1, 0 if metered else MIXED + LOOK
+    memory.found[:] = 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         on_branch = vehicle.branches.of[i] == b
@@ -89,42 +157,31 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
 
 
 @kernel
-def is_commanded(count, residual, memory):
-    """Return whether the latest innovation depends on commands to a candidate."""
-    idle = TAPS
-    for i in range(count):
-        if memory.candidate[i] != 0:
-            idle = min(idle, residual.idle[i])
-    return idle < TAPS
-
-
-@kernel
 def add_cycle(signals, residual, memory):
     """Add a cycle to the evidence that each candidate leaks, unless an event has just changed the forces."""
     newest, count = residual.taken - 1, signals.vehicle.n_thrusters
     moved = min(max(memory.cycles - signals.lag / signals.dt, 0.0), 1.0)
     memory.level[newest % TAPS] = moved if memory.open != 0 else 1.0 - moved
-    every = residual.square[newest % WINDOW]
     for i in range(count if is_settled(residual) else 0):
         if memory.candidate[i] != 0:
-            for c in range(AXES):
-                level = 0.0
-                for j in range(TAPS):
-                    level += residual.filter[j, c] * memory.level[(newest - j) % TAPS]
-                residual.signature[c] = level * signals.effectiveness[i, c + 1]
-            along, square = compare_signature(residual)
-            collect(memory.sums[i], 1.0, along, square, every, share=1.0)
+            residual.signature[:] = 0.0
+            for j in range(TAPS):
+                level = memory.level[(newest - j) % TAPS]
+                add_response(level, j, signals.effectiveness[i], residual)
+            add_innovation(memory.sums[i], 1.0, residual)
 
 
 @kernel
 def most_probable(count, memory):
-    """Find the best candidate. Returns its evidence, and its probability among the candidates; without a
-    meter "none leaks" is one more.
+    """End a look, and find the best candidate. Returns its evidence, and its probability among the
+    candidates; without a meter "none leaks" is one more.
     """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            found = evidence(memory.sums[i], memory.size[i]) if memory.sums[i].cycles > 0.0 else 0.0
+            found = memory.found[i] + evidence(memory.sums[i], memory.size[i])
+            memory.found[i] = found
+            forget(memory.sums[i])
             if found > most:
                 total = total * exp(most - found) + 1.0
                 memory.best, most = i, found
@@ -148,7 +205,7 @@ def step_leak_isolation(params, signals, flow, residual, memory):
     # cycles in which the innovations still depend on the leak before the branch was closed: when it began is
     # not known, and its signature would have the wrong sign
     past = TAPS + signals.lag / signals.dt if memory.metered != 0 else 0.0
-    if unmoved and (memory.cycles < past or is_commanded(count, residual, memory)):
+    if unmoved and (memory.cycles < past or is_commanded(b, signals.vehicle, residual)):
         return UNDER_WAY, 0.0
     add_cycle(signals, residual, memory)
     if MIXED < memory.cycles <= MIXED + LOOK:
@@ -159,9 +216,13 @@ def step_leak_isolation(params, signals, flow, residual, memory):
             return METER_FAILED, 1.0
         if memory.open != 0 and memory.metered != 0 and not flows:
             return HEALTHY, 1.0
-        memory.looks += 1
+        if memory.looks < LEAST_LOOKS or not changes(WINDOW, residual):
+            memory.looks += 1  # of those while forces change none is the last
         most, confidence = most_probable(count, memory)
         if memory.metered == 0 and exp(most) < 1.0 - params.confidence:
+            for i in range(count):
+                if memory.candidate[i] != 0:
+                    memory.unverified[i] = 0
             return HEALTHY, confidence
         least = LEAST_LOOKS - memory.metered
         if memory.looks >= least and confidence >= params.confidence or memory.looks >= MOST_LOOKS:

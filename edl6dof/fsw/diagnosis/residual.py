@@ -13,6 +13,12 @@ missing), hence to the innovation
 
     b (1 - z^-1) (1 - a_1 z^-1 - ... - a_n z^-n) s
 
+Air and riser act at a distance from the centre of mass, and so cause a lateral force and a torque together:
+y force and z torque, z force and y torque. The torque innovation less its regression on the force innovation
+of the same plane is free of most of that; the same regression applies to signatures. Roll, and these two
+planes, are independent of each other, so that a disturbance in one of them does not hide a fault from
+another.
+
 The coefficients follow from running covariances of x by the Levinson-Durbin recursion, one component per
 cycle. A fault must not change the model that judges it: in the covariances each innovation is limited to a
 few standard deviations, and they end ``DELAY`` cycles ago.
@@ -31,6 +37,8 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, record
 
 AXES = 5  # components: lateral force y, z and torque x, y, z; engine and drag disturb the axial force
+PLANES = 3  # roll; force y and torque z; force z and torque y
+PLANE = (1, 2, 0, 2, 1)  # of each component
 ORDER = 4  # of the autoregressive model: drift and one tone
 TAPS = ORDER + 2  # of the filter from the unexplained wrench to the innovation
 DELAY = 6  # cycles: longest onset of a fault, in which the model does not adapt to it yet
@@ -54,10 +62,15 @@ RESIDUAL = record(
     ("share", "f8", (TAPS, MAX_THRUSTERS)),  # of the cycle in which each thruster was commanded, a ring
     ("wrench", "f8", (TAPS, AXES)),  # N, N m: commanded, a ring
     ("idle", COUNT, (MAX_THRUSTERS,)),  # cycles since each thruster was commanded
-    ("value", "f8", (WINDOW, AXES)),  # N, N m: innovations, a ring
+    ("limited", "f8", (AXES,)),  # N, N m: latest innovation, limited
+    ("joint", "f8", (2,)),  # N2 m: covariance of limited innovations of torque y and force z; z and y
+    ("slope", "f8", (2,)),  # m: regression of these torques on these forces
+    ("left", "f8", (2,)),  # (N m)2: variance of these torques less their regression
+    ("value", "f8", (WINDOW, AXES)),  # N, N m: innovations, torques less their regression; a ring
     ("weight", "f8", (WINDOW, AXES)),  # 1/N2, 1/(N m)2: inverse variances of these
-    ("square", "f8", (WINDOW,)),  # weighted sums of squares of these
+    ("square", "f8", (WINDOW, PLANES)),  # weighted sums of squares of these
     ("signature", "f8", (AXES,)),  # N, N m: innovation that a fault predicts
+    ("product", "f8", (2, PLANES)),  # weighted products of innovation and signature, and of the latter
 )
 
 
@@ -107,6 +120,33 @@ def update_filter(c, memory):
 
 
 @kernel
+def limit(innovation, variance, least):
+    """Return an innovation limited to a few standard deviations."""
+    most = CLIP * sqrt(variance + least * least)
+    return min(max(innovation, -most), most)
+
+
+@kernel
+def decorrelate(values, memory):
+    """Subtract from the lateral torques of an innovation, or of a signature, their regression on the lateral
+    forces.
+    """
+    for k in range(2):
+        values[3 + k] -= memory.slope[k] * values[1 - k]
+
+
+@kernel
+def update_regression(params, new, memory):
+    """Add the latest innovation to the regression of lateral torques on lateral forces."""
+    for k in range(2):
+        least, own = least_noise(params, 1 - k), least_noise(params, 3 + k)
+        left = limit(memory.value[new, 3 + k], memory.left[k], own)
+        memory.left[k] += (left * left - memory.left[k]) / MEMORY
+        memory.joint[k] += (memory.limited[3 + k] * memory.limited[1 - k] - memory.joint[k]) / MEMORY
+        memory.slope[k] = memory.joint[k] / (memory.variance[1 - k] + least * least)
+
+
+@kernel
 def update_statistics(c, least, memory):
     """Add the latest change of component ``c``, its innovation limited, to the ring and to the variance of
     the innovation, and the change ``DELAY`` cycles ago to the covariances; ``least``: smallest standard
@@ -116,8 +156,8 @@ def update_statistics(c, least, memory):
     usual = 0.0
     for j in range(ORDER):
         usual += memory.predictor[c, j] * memory.usual[(k - 1 - j) % size, c]
-    limit = CLIP * sqrt(memory.variance[c] + least * least)
-    limited = min(max(memory.change[0, c] - usual, -limit), limit)
+    limited = limit(memory.change[0, c] - usual, memory.variance[c], least)
+    memory.limited[c] = limited
     memory.variance[c] += (limited * limited - memory.variance[c]) / MEMORY
     memory.usual[k % size, c] = usual + limited
     older = memory.usual[(k - DELAY) % size, c]
@@ -142,7 +182,6 @@ def whiten(params, unexplained, activity, count, memory):
     for i in range(count):
         memory.share[row, i] = activity.share[i]
         memory.idle[i] = 0 if activity.share[i] > 0.0 else memory.idle[i] + 1
-    memory.square[new] = 0.0
     for c in range(AXES):
         for j in range(ORDER, 0, -1):
             memory.change[j, c] = memory.change[j - 1, c]
@@ -154,11 +193,18 @@ def whiten(params, unexplained, activity, count, memory):
             innovation -= memory.predictor[c, j] * memory.change[j + 1, c]
         for j in range(TAPS):
             commanded += memory.filter[j, c] * memory.wrench[(row - j) % TAPS, c]
-        least, error = least_noise(params, c), params.model_error * commanded
-        weight = 1.0 / (memory.variance[c] + least * least + error * error)
-        memory.value[new, c], memory.weight[new, c] = innovation, weight
-        memory.square[new] += weight * innovation * innovation
+        memory.value[new, c], memory.signature[c] = innovation, params.model_error * commanded
+    decorrelate(memory.value[new], memory)
+    decorrelate(memory.signature, memory)
+    memory.square[new] = 0.0
+    for c in range(AXES):
+        least, error = least_noise(params, c), memory.signature[c]
+        variance = memory.variance[c] if c < 3 else memory.left[c - 3]
+        weight = 1.0 / (variance + least * least + error * error)
+        memory.weight[new, c] = weight
+        memory.square[new, PLANE[c]] += weight * memory.value[new, c] * memory.value[new, c]
         update_statistics(c, least, memory)
+    update_regression(params, new, memory)
     update_filter(k % AXES, memory)
     memory.taken += 1
     memory.settled += 1
@@ -171,16 +217,21 @@ def least_noise(params, c):
 
 
 @kernel
-def add_signature(i, effectiveness, memory):
-    """Add the innovation that a thruster ``i`` without thrust causes to ``memory.signature``;
-    ``effectiveness``: its force and torque (6; N, N m).
+def add_response(level, j, effectiveness, memory):
+    """Add to ``memory.signature`` the innovation that a thruster causes ``j`` cycles after it fired for the
+    share ``level`` of a cycle; ``effectiveness``: its force and torque (6; N, N m).
     """
-    newest = memory.taken - 1
+    for c in range(AXES):
+        memory.signature[c] += level * memory.filter[j, c] * effectiveness[c + 1]
+
+
+@kernel
+def add_signature(i, effectiveness, memory):
+    """Add the innovation that a thruster ``i`` without thrust causes to ``memory.signature``."""
     for j in range(TAPS):
-        share = memory.share[(newest - j) % TAPS, i]
+        share = memory.share[(memory.taken - 1 - j) % TAPS, i]
         if share != 0.0:
-            for c in range(AXES):
-                memory.signature[c] -= share * memory.filter[j, c] * effectiveness[c + 1]
+            add_response(-share, j, effectiveness, memory)
 
 
 @kernel
@@ -195,20 +246,14 @@ def fires_steadily(i, memory):
 
 
 @kernel
-def clear_signature(memory):
-    """Set ``memory.signature`` to zero."""
-    for c in range(AXES):
-        memory.signature[c] = 0.0
-
-
-@kernel
-def compare_signature(memory):
-    """Return the weighted products of the latest innovation with ``memory.signature`` and of this with
-    itself.
+def compare_signature(k, memory):
+    """Add, for each plane, the weighted products of the innovation of cycle ``k`` with ``memory.signature``
+    to row 0 of ``memory.product``, and those of the latter with itself to row 1.
     """
-    new, along, square = (memory.taken - 1) % WINDOW, 0.0, 0.0
     for c in range(AXES):
-        predicted = memory.weight[new, c] * memory.signature[c]
-        along += predicted * memory.value[new, c]
-        square += predicted * memory.signature[c]
-    return along, square
+        own = memory.signature[c]
+        if c >= 3:
+            own -= memory.slope[c - 3] * memory.signature[4 - c]
+        predicted = memory.weight[k % WINDOW, c] * own
+        memory.product[0, PLANE[c]] += predicted * memory.value[k % WINDOW, c]
+        memory.product[1, PLANE[c]] += predicted * own

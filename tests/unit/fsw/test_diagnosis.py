@@ -19,6 +19,7 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     evidence,
     evidence_by_flow_and_thrust,
 )
+from edl6dof.fsw.diagnosis.residual import PLANES
 from edl6dof.fsw.onboard import FSW
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.sensed import SENSED
@@ -454,6 +455,27 @@ def test_without_meters_an_old_leak_is_not_taken_for_a_dead_thruster(watch_of, n
     assert np.flatnonzero(watch.healthy == 0).tolist() == list(watch.mates(number))
 
 
+@pytest.mark.parametrize(
+    "name", [long_unless(name in ("P1", "A2"), name) for name in ("P1", "P4", "A2", "A3")]
+)
+def test_without_meters_an_opening_that_a_jerk_hides_is_found_by_the_latch_valves(watch_of, name):
+    """The canopy jerks the vehicle for a second; no thruster is used after that.  Of a sound vehicle each
+    branch is closed once, and used again.
+    """
+    jerk = np.array([0.0, 300.0, 300.0, 0.0, 900.0, -900.0])
+    for fault in ((NAMES.index(name), "stuck on", 0.0), None):
+        watch, closed = watch_of(7, metered=False), set()
+        for _ in range(100):
+            watch.cycle()
+        for k in range(150):
+            watch.cycle(fault, use=0.0, disturbance=jerk * (-0.9) ** k if k < 60 else 0.0)
+            closed |= set(np.flatnonzero(watch.shut).tolist())
+        assert watch.found == ([(name, "stuck on")] if fault else [])
+        if fault is None:
+            assert {4, 5, 6, 7} <= closed
+            assert np.all(watch.healthy == 1) and not watch.shut.any()
+
+
 def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
     """The meter of their branch cannot tell them apart: each is doubtful, and tried alone."""
     for i in range(len(NAMES)):
@@ -513,22 +535,21 @@ def test_confidence_is_a_probability_and_reaches_the_threshold_when_it_isolates(
 
 
 def test_evidence_is_the_gaussian_likelihood_ratio_of_unknown_variance():
-    """Against the maximised log likelihoods by numpy, for two independent components and no floor in the
+    """Against the maximised log likelihoods by numpy, for planes whose noise differs and no floor in the
     limit of large residuals.
     """
-    rng, sums = np.random.default_rng(1), np.zeros(1, SUMS)[0]
-    signature, residual = rng.normal(size=40), 1e4 * rng.normal(size=40)
-    residual += 3e4 * signature
-    sums["cross"], sums["own"] = signature @ residual, signature @ signature
-    sums["all"], sums["cycles"] = residual @ residual, len(residual)
-    size = sums["cross"] / sums["own"]
+    rng, sums, exact, size = np.random.default_rng(1), np.zeros(PLANES, SUMS), 0.0, 3e4
 
     def most_likely(error):
-        return -0.5 * 2 * len(error) * np.log(np.mean(error**2))
+        return -0.5 * len(error) * np.log(np.mean(error**2))
 
-    assert evidence(sums, size) == pytest.approx(
-        most_likely(residual - size * signature) - most_likely(residual), rel=1e-6
-    )
+    for plane in sums:
+        signature, residual = rng.normal(size=40), rng.choice([1e4, 1e5]) * rng.normal(size=40)
+        residual += size * signature
+        plane["cross"], plane["own"] = signature @ residual, signature @ signature
+        plane["all"], plane["cycles"] = residual @ residual, len(residual)
+        exact += most_likely(residual - size * signature) - most_likely(residual)
+    assert evidence(sums, size) == pytest.approx(exact, rel=1e-6)
 
 
 def test_evidence_of_flow_and_of_force_and_torque_add(shared_onboard):
@@ -537,7 +558,8 @@ def test_evidence_of_flow_and_of_force_and_torque_add(shared_onboard):
     """
     onboard, memory, flow = shared_onboard[0], np.zeros(1, HYPOTHESES)[0], np.zeros(1, FLOW)[0]
     for _ in range(30):
-        collect(memory["off"][3], 1.0, 20.0, 20.0, 22.0, share=1.0)
+        for plane in memory["off"][3]:
+            collect(plane, 1.0, 7.0, 7.0, 8.0, share=1.0)
     flow["off"][3] = (0.9 * 12.0, 12.0, 30)
     found = evidence_by_flow_and_thrust(
         onboard["diagnosis"], onboard["vehicle"], waiting=False, i=3, flow=flow, memory=memory, least=0.0
