@@ -56,7 +56,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, record, whole
 
 MAX_ISOLATED = 8
-OPEN_LOSS = 0.7  # apparent loss of thrust from which the valve may as well be open
+OPEN_LOSS = 0.7  # apparent loss of thrust from which the valve may as well be open, or the thruster dead
 FLOW_MEMORY = 12.0  # cycles of use
 #: Names of the kinds of fault, by number.
 KIND_NAMES = {number: name.replace("_", " ") for number, name in enumerate(THRUSTER_FAILURES, 1)}
@@ -184,11 +184,11 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little thrust. A dead one is taken out of use; the loss of a weak one
-    is allowed for from now on, in the expected flow only if its meter has shown it.
+    """Record a thruster that gives too little thrust. One that may be dead is taken out of use; the loss of a
+    weak one is allowed for from now on, in the expected flow only if its meter has shown it.
     """
     left, flow = 1.0 - loss, memory.flow
-    if kind == DEGRADED:
+    if kind == DEGRADED and loss <= OPEN_LOSS:
         signals.loss[i] = 1.0 - left * (1.0 - signals.loss[i])
         if flow.off[i].cycles > 0:
             flow.known_loss[i] = 1.0 - left * (1.0 - flow.known_loss[i])
