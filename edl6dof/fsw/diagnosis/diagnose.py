@@ -56,7 +56,6 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, record, whole
 
 MAX_ISOLATED = 8
-OPEN_LOSS = 0.7  # apparent loss of thrust from which the valve may as well be open, or the thruster dead
 FLOW_MEMORY = 12.0  # cycles of use
 #: Names of the kinds of fault, by number.
 KIND_NAMES = {number: name.replace("_", " ") for number, name in enumerate(THRUSTER_FAILURES, 1)}
@@ -90,8 +89,9 @@ class DiagnosisParams(Params):
         0.3, "fraction of thrust lost from which force and torque isolate a thruster", gt=0.0, le=1.0
     )
     loss_dead: float = param(
-        0.85,
-        "fraction of thrust lost from which a thruster counts as stuck off and is not used any more",
+        0.7,
+        "fraction of thrust lost from which a thruster counts as stuck off, or its valve as open, and is not "
+        "used any more",
         gt=0.0,
         le=1.0,
     )
@@ -184,11 +184,11 @@ def record_fault(vehicle, i, kind, loss, confidence, t, memory):
 
 @kernel
 def isolate(params, signals, i, kind, loss, confidence, memory):
-    """Record a thruster that gives too little thrust. One that may be dead is taken out of use; the loss of a
+    """Record a thruster that gives too little thrust. A dead one is taken out of use; the loss of a
     weak one is allowed for from now on, in the expected flow only if its meter has shown it.
     """
     left, flow = 1.0 - loss, memory.flow
-    if kind == DEGRADED and loss <= OPEN_LOSS:
+    if kind == DEGRADED:
         signals.loss[i] = 1.0 - left * (1.0 - signals.loss[i])
         if flow.off[i].cycles > 0:
             flow.known_loss[i] = 1.0 - left * (1.0 - flow.known_loss[i])
@@ -290,7 +290,7 @@ def diagnose(params, signals, memory):
         update_streak(params, before, memory)
         if settled:
             suspect_leak(params, signals, residual, flow, memory.leak, memory=best)
-        no_response = memory.streak >= params.streak and best.loss > OPEN_LOSS
+        no_response = memory.streak >= params.streak and best.loss >= params.loss_dead
         suspected = vehicle.branches.of[best.thruster]
         if (best.kind == STUCK_ON or no_response) and not is_read(metered, suspected, flow):
             leaking, metered_leak = suspected, False
