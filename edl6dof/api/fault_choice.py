@@ -104,7 +104,7 @@ class _Choice:
             data = "; ".join(problem.message for problem in error.problems)
         if isinstance(data, dict):
             return data
-        self._refuse("--with", f"must be keys of a fault, such as '{{duration_s: 20}}' (got {data})")
+        self._refuse("--with", f"must be keys of a fault, such as 'duration_s: 20' (got {data})")
         return {}
 
     def failing(self) -> list[tuple[str, Component, list[str]]]:

@@ -174,7 +174,7 @@ def faults(
     ] = None,
     settings: Annotated[
         str,
-        option("YAML", "Other keys of each fault, as under faults:, such as '{duration_s: 20}'.", "--with"),
+        option("YAML", "Other keys of each fault, as under faults:, such as 'duration_s: 20'.", "--with"),
     ] = "",
     sets: Sets = None,
     vehicles: Annotated[

@@ -160,7 +160,7 @@ def test_settings_are_those_of_every_fault_of_the_matrix():
     [
         ("{duration_s: -1}", "fault_matrix.groups.0.settings.duration_s: must be > 0 s (got -1)"),
         ("{slow: {rise_s: 1}, x: 2}", "fault_matrix.groups.0.settings.x: unknown"),
-        ("12", "--with: must be keys of a fault, such as '{duration_s: 20}' (got 12)"),
+        ("12", "--with: must be keys of a fault, such as 'duration_s: 20' (got 12)"),
         ("{a: [", "--with: must be keys of a fault"),
     ],
 )

@@ -59,7 +59,7 @@ def test_colour_of_a_ray_is_what_navigation_makes_of_it(replay):
     colours = columns["LineStrips3D:colors"]
 
     def seen(t: float) -> list[tuple[int, ...]]:
-        return [rgb(one) for one in colours[int(np.searchsorted(times, t))]]
+        return [rgb(one) for one in colours[int(np.searchsorted(times, t))]][:4]  # of the first radar
 
     used, refused, excluded = RAYS[USED], RAYS[NOT_USED], RAYS[EXCLUDED]
     assert seen(LOCK + 1.0) == [used] * 4

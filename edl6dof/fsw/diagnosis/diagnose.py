@@ -286,7 +286,7 @@ def diagnose(params, signals, memory):
     leaking, metered_leak = leaking_branch(params, vehicle, signals.healthy, flow), True
     if leaking == NONE:
         before = (best.thruster, best.kind)
-        compare(params, vehicle, metered, signals.healthy, flow, memory.leak, memory=best)
+        compare(params, vehicle, metered, signals.healthy, flow, leak=memory.leak, memory=best)
         update_streak(params, before, memory)
         if settled:
             suspect_leak(params, signals, residual, flow, memory.leak, memory=best)
