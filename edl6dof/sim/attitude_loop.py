@@ -104,9 +104,13 @@ def margins(loop: Loop, highest: float) -> Margins:
     def at(frequency: float) -> complex:
         return complex(loop(np.array([frequency]))[0])
 
+    def root(f: Callable[[complex], float], k: int, seen: np.ndarray) -> float:
+        if f(at(w[k])) * f(at(w[k + 1])) >= 0.0:  # one of them is zero but for rounding
+            return float(w[k + np.argmin(np.abs(seen[k : k + 2]))])
+        return float(brentq(lambda x: f(at(x)), w[k], w[k + 1], xtol=1e-12))
+
     def roots(f: Callable[[complex], float], seen: np.ndarray) -> list[float]:
-        changes = np.flatnonzero(seen[:-1] * seen[1:] < 0.0)
-        return [brentq(lambda x: f(at(x)), w[k], w[k + 1], xtol=1e-12) for k in changes]
+        return [root(f, k, seen) for k in np.flatnonzero(seen[:-1] * seen[1:] < 0.0)]
 
     crossings = np.array(roots(lambda x: abs(x) - 1.0, np.abs(values) - 1.0))
     left = np.angle([-at(x) for x in crossings]) if len(crossings) else np.zeros(0)

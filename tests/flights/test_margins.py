@@ -250,3 +250,16 @@ def test_the_command_prints_and_writes_the_rows(tmp_path):
     assert "hover_imaging" in done.stdout and "pitch" in done.stdout
     lines = (tmp_path / "m.csv").read_text().splitlines()
     assert len(lines) == 4 and lines[0].startswith("phase,axis,gain_db,")
+
+
+def test_a_crossing_that_is_zero_but_for_rounding_is_a_crossing():
+    """A loop whose imaginary part changes its sign by rounding between one call and the next."""
+    calls = []
+
+    def loop(w):
+        calls.append(len(w))
+        noise = 1e-18 * (-1.0) ** np.arange(len(w)) if len(w) > 1 else 1e-18
+        return -2.0 / w**2 + 1j * noise
+
+    found = margins(loop, 50.0)
+    assert found.crossover_rad_s == pytest.approx(np.sqrt(2.0))
