@@ -103,6 +103,15 @@ def is_commanded(b, vehicle, residual):
 
 
 @kernel
+def fires(i, residual):
+    """Return whether thruster ``i`` was commanded in more than half of the stored time."""
+    total = 0.0
+    for j in range(TAPS):
+        total += residual.share[j, i]
+    return total > 0.5 * TAPS
+
+
+@kernel
 def would_decide(params, signals, residual, b):
     """Return whether ``FEW_LOOKS`` movements of the latch valve of branch ``b`` are expected to show for each
     of its thrusters whether it leaks.
@@ -118,7 +127,8 @@ def would_decide(params, signals, residual, b):
 @kernel
 def branch_to_verify(params, signals, residual, flow, memory):
     """Return the branch of the next thruster without a meter whose valve may have opened without being seen,
-    if the latch valve would decide that now, or ``NONE``. Thrusters in use have time to respond before that.
+    if the latch valve would decide that now, or ``NONE``. Thrusters in use have time to respond before that;
+    one that fires is needed, and a leak adds little to it.
     """
     count = signals.vehicle.n_thrusters
     for _ in range(count):
@@ -130,6 +140,8 @@ def branch_to_verify(params, signals, residual, flow, memory):
     if known or changes(WINDOW, residual) and not changes(1, residual):  # an opening, still to be evaluated
         return NONE
     if residual.taken - memory.unverified[i] < PATIENCE and is_commanded(b, signals.vehicle, residual):
+        return NONE
+    if fires(i, residual):
         return NONE
     return b if would_decide(params, signals, residual, b) else NONE
 

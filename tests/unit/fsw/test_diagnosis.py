@@ -476,6 +476,22 @@ def test_without_meters_an_opening_that_a_jerk_hides_is_found_by_the_latch_valve
             assert np.all(watch.healthy == 1) and not watch.shut.any()
 
 
+def test_without_meters_no_branch_is_closed_whose_thrusters_all_fire(watch_of):
+    """After the jerk of the canopy the axial thrusters brake.  An open valve shows when they stop."""
+    axial = [k for k, name in enumerate(NAMES) if name.startswith("A")]
+    jerk = np.array([0.0, 300.0, 300.0, 0.0, 900.0, -900.0])
+    for fault in ((NAMES.index("A2"), "stuck on", 0.0), None):
+        watch = watch_of(7, metered=False)
+        for _ in range(100):
+            watch.cycle()
+        for k in range(200):
+            watch.cycle(fault, use=0.0, against=axial, disturbance=jerk * (-0.9) ** k if k < 60 else 0.0)
+            assert np.all(watch.healthy[axial] == 1)
+        for _ in range(200):
+            watch.cycle(fault, use=0.0)
+        assert watch.found == ([("A2", "stuck on")] if fault else [])
+
+
 def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
     """The meter of their branch cannot tell them apart: each is doubtful, and tried alone."""
     for i in range(len(NAMES)):
