@@ -27,12 +27,14 @@ from edl6dof.replay.pages import TIMELINE
 HOST = "127.0.0.1"
 STARTUP_S = 20.0
 
+_NO_GRAPHICS = (
+    "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
+    "(Debian: apt-get install mesa-vulkan-drivers)"
+)
 #: Messages of a viewer that cannot work on this machine, and an explanation of each.
 _LACKING = {
-    "Failed to get render context": (
-        "it finds no graphics that it can draw with; without a GPU it needs mesa-vulkan-drivers "
-        "(Debian: apt-get install mesa-vulkan-drivers)"
-    ),
+    "Failed to get render context": _NO_GRAPHICS,
+    "No graphics adapter was found": _NO_GRAPHICS,
     "EventLoopError": (
         "there is no display to open a window on; --web, --html FILE and --screenshot FILE need none"
     ),

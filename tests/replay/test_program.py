@@ -90,6 +90,11 @@ def pretended(tmp_path, monkeypatch):
             "INFO fine\nthread 'main' panicked at 'Failed to get render context'\nstack backtrace:",
             "mesa-vulkan-drivers",
         ),
+        (
+            "thread 'main' panicked at 'Failed to create render state: CustomNativeAdapterSelectionError("
+            '"No graphics adapter was found for the enabled graphics backends (Backends(VULKAN | GL))")\'',
+            "mesa-vulkan-drivers",
+        ),
         ("Error: winit EventLoopError: neither WAYLAND_DISPLAY nor DISPLAY is set.", "no display"),
         ("rerun: error while loading shared libraries: libfoo.so.1: cannot open", "libfoo.so.1"),
     ],
