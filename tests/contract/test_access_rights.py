@@ -102,7 +102,11 @@ def read_signals(source):
 
 #: Modules that take signals, each with those that it shares its own with.
 EXCHANGE = {
-    "diagnosis/diagnose.py": ("diagnosis/hypotheses.py", "diagnosis/leak_isolation.py"),
+    "diagnosis/diagnose.py": (
+        "diagnosis/hypotheses.py",
+        "diagnosis/leak_isolation.py",
+        "diagnosis/openings.py",
+    ),
     "diagnosis/exercise.py": (),
 }
 

@@ -35,7 +35,6 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     compare,
     forget_all,
     kind_of,
-    suspect_leak,
     update_evidence,
 )
 from edl6dof.fsw.diagnosis.leak_isolation import (
@@ -49,6 +48,7 @@ from edl6dof.fsw.diagnosis.leak_isolation import (
     start_leak_isolation,
     step_leak_isolation,
 )
+from edl6dof.fsw.diagnosis.openings import suspect_leak
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, is_settled, restart_residual, whiten
 from edl6dof.interface.capacities import MAX_THRUSTERS
 from edl6dof.interface.effectors import DEGRADED, STUCK_OFF, STUCK_ON, THRUSTER_FAILURES
@@ -160,8 +160,10 @@ WRITES = ("healthy", "loss")
 
 @kernel
 def restart(hidden, memory):
-    """Reset the evidence. After a change of the vehicle or of the forces on it a valve may have opened
-    ``hidden`` from diagnosis (1); an isolated fault explains what was seen before it (0).
+    """Reset the evidence.
+
+    ``hidden``: 1 after a change of the vehicle or of the forces on it, which may have hidden the opening of a
+    valve: every thruster without a meter is to be verified; 0 after a fault has been isolated.
     """
     restart_residual(memory.residual)
     forget_all(memory.hypotheses)

@@ -31,12 +31,11 @@ from edl6dof.fsw.diagnosis.flow_evidence import (
 from edl6dof.fsw.diagnosis.hypotheses import (
     SUMS,
     add_innovation,
-    changes,
     evidence,
-    expected_evidence,
     forget,
 )
-from edl6dof.fsw.diagnosis.residual import PLANES, TAPS, WINDOW, add_response, is_settled
+from edl6dof.fsw.diagnosis.openings import changes, expected_evidence
+from edl6dof.fsw.diagnosis.residual import PLANES, TAPS, WINDOW, add_response, fires_mostly, is_settled
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
@@ -47,7 +46,7 @@ UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 #: a look.
 MIXED, LOOK = 1, 3
 PATIENCE = 25  # cycles in which a thruster in use may respond before its branch is closed to verify it
-FEW_LOOKS = 2  # looks that have to be expected to decide before a branch is closed to verify it
+FEW_LOOKS = 2  # a branch is closed to verify it only if so many looks are expected to decide
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
 
@@ -66,11 +65,7 @@ LEAK = record(
     ("sums", SUMS, (MAX_THRUSTERS, PLANES)),  # of the present look
     ("found", "f8", (MAX_THRUSTERS,)),  # evidence of the looks before: the noise of each is unknown
     ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
-    (
-        "unverified",
-        COUNT,
-        (MAX_THRUSTERS,),
-    ),  # cycle since which the valve may be open without being seen; 0: not
+    ("unverified", COUNT, (MAX_THRUSTERS,)),  # cycle since which the valve may be open unseen; 0: not
     ("next", whole(0, MAX_THRUSTERS - 1, of="thrusters")),  # the one that is verified next
 )
 
@@ -103,15 +98,6 @@ def is_commanded(b, vehicle, residual):
 
 
 @kernel
-def fires(i, residual):
-    """Return whether thruster ``i`` was commanded in more than half of the stored time."""
-    total = 0.0
-    for j in range(TAPS):
-        total += residual.share[j, i]
-    return total > 0.5 * TAPS
-
-
-@kernel
 def would_decide(params, signals, residual, b):
     """Return whether ``FEW_LOOKS`` movements of the latch valve of branch ``b`` are expected to show for each
     of its thrusters whether it leaks.
@@ -141,7 +127,7 @@ def branch_to_verify(params, signals, residual, flow, memory):
         return NONE
     if residual.taken - memory.unverified[i] < PATIENCE and is_commanded(b, signals.vehicle, residual):
         return NONE
-    if fires(i, residual):
+    if fires_mostly(i, residual):
         return NONE
     return b if would_decide(params, signals, residual, b) else NONE
 

@@ -246,6 +246,15 @@ def fires_steadily(i, memory):
 
 
 @kernel
+def fires_mostly(i, memory):
+    """Return whether thruster ``i`` was commanded for more than half of what the filter contains."""
+    total = 0.0
+    for j in range(TAPS):
+        total += memory.share[j, i]
+    return total > 0.5 * TAPS
+
+
+@kernel
 def compare_signature(k, memory):
     """Add, for each plane, the weighted products of the innovation of cycle ``k`` with ``memory.signature``
     to row 0 of ``memory.product``, and those of the latter with itself to row 1.

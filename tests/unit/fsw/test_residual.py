@@ -11,10 +11,9 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     OUTLIER,
     SUMS,
     collect,
-    expected_evidence,
-    onset_evidence,
     trust,
 )
+from edl6dof.fsw.diagnosis.openings import expected_evidence, onset_evidence
 from edl6dof.fsw.diagnosis.residual import (
     AXES,
     DELAY,
