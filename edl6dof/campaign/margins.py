@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
-from math import degrees, inf, nan
+from math import degrees, inf, isnan, nan
 
 from edl6dof.campaign.design.case import Variant, Variants
 from edl6dof.campaign.design.plan import Plan
@@ -70,7 +70,7 @@ class AxisMargins:
     @property
     def rests(self) -> bool:
         """True if the law answers to no small change of attitude or rate."""
-        return self.added_rate_deg_s != self.added_rate_deg_s
+        return isnan(self.added_rate_deg_s)
 
 
 _SMALLEST = (
@@ -185,11 +185,9 @@ def _worse(one: AxisMargins, two: AxisMargins) -> AxisMargins:
     first = two if two.phase_deg < one.phase_deg else one
     values = {}
     for name in (field.name for field in fields(AxisMargins)):
-        a, b = getattr(one, name), getattr(two, name)
-        if name in _SMALLEST:
-            values[name] = b if a != a else min(a, b) if b == b else a
-        elif name in ("phase", "axis", "at_s", "vehicle"):
+        if name in ("phase", "axis", "at_s", "vehicle"):
             values[name] = getattr(first, name)
-        else:
-            values[name] = b if a != a else max(a, b) if b == b else a
+            continue
+        present = [value for value in (getattr(one, name), getattr(two, name)) if not isnan(value)]
+        values[name] = (min if name in _SMALLEST else max)(present, default=nan)
     return AxisMargins(**values)

@@ -43,7 +43,7 @@ def fly(
         Path | None, option("STATE", "Continue from a saved state, which contains its scenario.", "--from")
     ] = None,
     live: Annotated[bool, flag("Show the flight in the viewer while it is flown.", "--live")] = False,
-    pace: Annotated[float, option("X", "Seconds of flight in a second, with --live.", min=0.01)] = 4.0,
+    pace: Annotated[float, option("X", "Speed of --live, a multiple of real time.", min=0.01)] = 4.0,
 ) -> int:
     """Fly one scenario and write its run folder.
 

@@ -109,7 +109,8 @@ class LeakingParams(ThrusterFault):
 
 
 class SlowParams(ThrusterFault):
-    """The valve opens and shuts slowly: a long pulse begins and ends late, a short one never gets strong."""
+    """The valve opens and shuts slowly: a long pulse begins and ends late, a short one
+    does not reach full thrust."""
 
     failure: ClassVar[ThrusterFailure | None] = "degraded"
 
