@@ -113,7 +113,8 @@ def software_functions(onboard: Any) -> Any:
     """Return the functions that an ``ONBOARD`` record chooses, in the order of ``SOFTWARE``."""
     mission = onboard["mission"]
     phases = {int(one) for one in mission["phases"]["control"][: int(mission["n_phases"])]}
-    detects = int(onboard["hazard"]["detection"]) != GIVEN
+    hazard = onboard["hazard"]
+    detects = int(hazard["detection"]) != GIVEN or float(hazard["sites"]["spacing"]) > 0.0
     given = {name: chosen(name, onboard) for name, one in PLACES.items() if one.path}
     given["control"] = PLACES["control"].function(phases)
     given["detect_hazards"] = Given(detect_hazards if detects else detect_nothing, _DETECT)

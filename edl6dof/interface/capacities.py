@@ -41,3 +41,6 @@ SCAN_BLOCK = 4
 #: Cells of a pair of stereo images, and of an image of the landing camera, along each side.
 STEREO_CELLS = 128
 CAMERA_CELLS = 64
+#: Landmarks of the map that are sought in an image, along each side of a square and in all.
+LANDMARK_ROWS = 6
+MAX_LANDMARKS = LANDMARK_ROWS * LANDMARK_ROWS

@@ -18,6 +18,7 @@ from edl6dof.interface.capacities import (
     MAX_BEAMS,
     MAX_BRANCHES,
     MAX_GYROS,
+    MAX_LANDMARKS,
     MAX_PORTS,
     MAX_TRACKERS,
     SCAN_BLOCK,
@@ -79,6 +80,16 @@ CAMERA = record(
     ("fresh", FLAG),  # it is of this cycle
 )
 
+#: Landmarks of the map that the landmark camera has found in an image.
+LANDMARKS = record(
+    # row and column at which each was found, along z and y of B from the middle of the image
+    ("pixel", "f8", (MAX_LANDMARKS, 2)),
+    ("map_F", "f8", (MAX_LANDMARKS, 3)),  # m, F: position of each on the map
+    ("count", whole(0, MAX_LANDMARKS)),  # number of landmarks found
+    ("shutter", FLAG),  # an image is exposed in this cycle
+    ("fresh", FLAG),  # the landmarks of the last image arrive in this cycle
+)
+
 #: Ideal instruments sit at the centre of mass and measure the present state; the ideal inertial unit measures
 #: with a delay of some cycles.
 SENSED = record(
@@ -102,6 +113,7 @@ SENSED = record(
     ("lidar", LIDAR),  # of the scanning lidar
     ("stereo", STEREO),  # of the pair of stereo cameras
     ("camera", CAMERA),  # of the landing camera
+    ("landmarks", LANDMARKS),  # of the landmark camera
 )
 
 

@@ -205,6 +205,12 @@ def hazard_figures(
         figures["coarse_parts"] = float(coarse["parts"])
         figures["coarse_obstacles"] = float(coarse["obstacles"][coarse["part"]])
         figures["coarse_clear_m"] = float(coarse["clear"][coarse["part"]])
+    if np.isfinite(hazard["site_t"]):
+        site, displaced = fsw["landing_point"]["coarse_L"], _map_displacement(case)
+        east, north = (float(telemetry[f"truth.site_{axis}_m"][-1]) for axis in ("east", "north"))
+        # the map shows the site at its true place plus the displacement
+        off = east - float(site[0] - displaced[1]), north - float(site[1] - displaced[0])
+        figures["site_miss_m"] = hypot(*off)
     # a flight continued from a saved state has no telemetry of the time before
     if not (np.isfinite(hazard["spot_t"]) and hazard["scan_t"] >= telemetry["t_s"][0]):
         return figures
@@ -223,6 +229,11 @@ def hazard_figures(
     if "landing_east_m" in landing:
         figures["spot_miss_m"] = hypot(landing["landing_east_m"] - east, landing["landing_north_m"] - north)
     return figures
+
+
+def _map_displacement(case: np.ndarray) -> np.ndarray:
+    """Displacement of the map of landmarks (m north, east, down), shape (3,); zero without such a map."""
+    return np.asarray(case["sensors"]["unit"]["landmark_camera"]["offset"][0])
 
 
 @kernel

@@ -135,6 +135,8 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
         record["imagers"]["lidar"]["sigma"] = hypot(lidar["range_noise"], lidar["quantum"] / sqrt(12.0))
     if "stereo" in sensors.flown:
         _believe_stereo(record["imagers"]["stereo"], in_si(sensors.stereo))
+    if "landmark_camera" in sensors.flown:
+        _believe_landmarks(record["landmarks"], in_si(sensors.landmark_camera))
     _believe_flow_meters(record, in_si(sensors.flow_meters) if "flow_meters" in sensors.flown else None)
 
 
@@ -165,6 +167,14 @@ def _believe_stereo(record: np.void, stereo: np.void) -> None:
     _believe_eye(record, stereo)
     focal_px = 0.5 * stereo["pixels"] / record["tangent"]
     record["sigma_square"] = stereo["disparity_noise_px"] / (focal_px * stereo["baseline"])
+
+
+def _believe_landmarks(record: np.void, camera: np.void) -> None:
+    """Fill place, focal length, and the errors of landmark camera and map."""
+    record["place"], record["noise"] = camera["position"], camera["noise_px"]
+    record["focal"] = 0.5 * camera["pixels"] / tan(0.5 * camera["field_of_view"])
+    record["misalignment"], record["map_noise"] = camera["misalignment"], camera["map_noise"]
+    record["map_offset"] = np.sqrt(np.mean(np.square(camera["map_offset"])))
 
 
 def _believe_flow_meters(record: np.void, meters: np.void | None) -> None:

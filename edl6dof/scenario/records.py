@@ -200,7 +200,7 @@ def _new_fsw(layout: np.dtype) -> np.ndarray:
     for name in INSTRUMENT_HEALTH.names or ():
         fsw["navigation"]["health"][name] = 1
     fsw["diagnosis"]["leak"]["branch"] = fsw["diagnosis"]["hypotheses"]["meter"] = NONE
-    for name in ("image_t", "scan_t", "spot_t"):
+    for name in ("site_t", "image_t", "scan_t", "spot_t"):
         fsw["hazard"][name] = np.nan
     fsw["mission"]["entered"] = np.nan
     fsw["mission"]["entered"][0, 0] = 0.0

@@ -28,6 +28,7 @@ from edl6dof.sensors import (
     imu,
     inertial_unit,
     landing_camera,
+    landmark_camera,
     lidar,
     navigation_error,
     perfect,
@@ -45,7 +46,7 @@ SENSOR_FAMILY = Family(
     (
         *(perfect.MEMBER, imu.MEMBER, inertial_unit.MEMBER, star_tracker.MEMBER, ground_tracking.MEMBER),
         *(switches.MEMBER, radar.MEMBER, pressure_ports.MEMBER, flow_meters.MEMBER, navigation_error.MEMBER),
-        *(landing_camera.MEMBER, lidar.MEMBER, stereo.MEMBER),
+        *(landing_camera.MEMBER, lidar.MEMBER, stereo.MEMBER, landmark_camera.MEMBER),
     ),
 )
 

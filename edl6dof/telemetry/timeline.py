@@ -101,6 +101,7 @@ def hazard_moments(hazard: np.void) -> list[Moment]:
     """Steps of hazard detection: the coarse choice on an image, the scan, and the choice of the spot."""
     spot = "safe spot chosen" if hazard["choice"]["found"] else "no spot safe: the best of them chosen"
     return [
+        moment(hazard["site_t"], "site", "site of the map chosen"),
         moment(hazard["image_t"], "image", "image taken, coarse point chosen"),
         moment(hazard["scan_t"], "scan", "scan begins"),
         moment(hazard["spot_t"], "spot", spot),

@@ -15,6 +15,7 @@ from edl6dof.fsw.hazard.elevation_map import (
     begin_map,
     fill_holes,
 )
+from edl6dof.fsw.hazard.map_sites import choose_site
 from edl6dof.fsw.hazard.site_selection import CHOICE, ENVELOPE, choose_spot, clearances, least_bad
 from edl6dof.fsw.mission import G_AVOID, G_HOVER, G_POWERED
 from edl6dof.interface.capacities import SCAN_BLOCK, SCAN_COLUMNS, SCAN_ROWS, STEREO_CELLS
@@ -29,6 +30,7 @@ from edl6dof.spatial.vector import add, norm, put3, scale, sub, take3, take4
 HAZARD = record(
     ("exposed", FLAG),  # the camera was triggered
     ("scanning", FLAG),  # the lidar was triggered
+    ("site_t", TIME_IF_EVER),  # s, flight time: site of the map chosen
     ("image_t", TIME_IF_EVER),  # s, flight time: coarse choice made
     ("scan_t", TIME_IF_EVER),  # s: first block of the scan
     ("spot_t", TIME_IF_EVER),  # s: spot chosen
@@ -191,6 +193,18 @@ def look_down(classify, onboard, elapsed, sensed, nav, state, memory, point, com
 
 
 @kernel
+def divert_to_map(onboard, nav, memory, point):
+    """Choose a site of the map, where powered descent ends and, without a lidar, the vehicle lands."""
+    predict_drifts(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, memory.coarse.drift)
+    site = choose_site(onboard.hazard.sites, onboard.hazard.coarse, nav, memory.coarse.drift)
+    point.coarse_L[0], point.coarse_L[1] = site
+    point.coarse_known, memory.site_t = 1, nav.t
+    if onboard.instruments.imagers.lidar.tangent == 0.0:
+        point.fine_L[0], point.fine_L[1] = site
+        point.fine_known = 1
+
+
+@kernel
 def detect_nothing(classify, onboard, kind, elapsed, sensed, nav, state, memory, point, command):
     """Do nothing: the step of a vehicle without hazard detection, see :func:`detect_hazards`."""
 
@@ -213,7 +227,10 @@ def detect_hazards(classify, onboard, kind, elapsed, sensed, nav, state, memory,
     eyes = onboard.instruments.imagers
     if memory.exposed == 0:
         follow_wind(onboard.hazard.coarse.wind_time, nav, 1.0 / onboard.rates.base, memory.carried_N)
-    if kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
+    if kind == G_POWERED and onboard.hazard.sites.spacing > 0.0:
+        if point.coarse_known == 0:
+            divert_to_map(onboard, nav, memory, point)
+    elif kind == G_POWERED and eyes.camera.tangent > 0.0 and point.coarse_known == 0:
         look_ahead(onboard, sensed, nav, memory, point, command=command)
     elif kind == G_HOVER and eyes.lidar.tangent > 0.0 and point.fine_known == 0:
         look_down(

@@ -13,6 +13,7 @@ from typing import Any
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.hazard.coarse_avoidance import CoarseParams
 from edl6dof.fsw.hazard.detectors import given, lidar, lidar_probabilistic
+from edl6dof.fsw.hazard.map_sites import MapSitesParams
 from edl6dof.fsw.hazard.site_selection import ChoiceParams
 from edl6dof.registry import Family
 
@@ -46,6 +47,7 @@ class HazardParams(_Detectors):
     )
     scan: ScanParams = group(ScanParams, "beginning of the scan")
     coarse: CoarseParams = group(CoarseParams, "coarse avoidance, at the start of powered descent")
+    sites: MapSitesParams = group(MapSitesParams, "safe sites of the map")
     choice: ChoiceParams = group(ChoiceParams, "choice among the safe spots")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from edl6dof.fsw.navigation.landmark_fix import LANDMARK_CAMERA
 from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
 from edl6dof.interface.sensed import IMAGERS
 from edl6dof.records import record
@@ -51,6 +52,7 @@ INSTRUMENTS = record(
     ("range_scale", "f8"),  # of the range
     ("speed_scale", "f8"),  # of the speed
     ("imagers", IMAGERS),  # landing camera, lidar and stereo cameras
+    ("landmarks", LANDMARK_CAMERA),  # landmark camera and its map
     # flow meter of a propellant branch; shares of the branch's full flow
     ("flow_scale_sigma", "f8"),  # of the flow
     ("flow_bias_share", "f8"),  # constant error of the flow

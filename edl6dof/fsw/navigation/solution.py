@@ -4,8 +4,18 @@ estimate.
 
 from __future__ import annotations
 
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_TRACKERS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_LANDMARKS, MAX_TRACKERS
 from edl6dof.records import FLAG, record, whole
+
+#: Position of the centre of mass by landmarks of the map, in the cycle in which the matches arrive.
+PLACE_FIX = record(
+    ("matches", whole(0, MAX_LANDMARKS)),  # matches that agree with it; 0: there is no fix in this cycle
+    ("error", "f8", (3,)),  # m, I: measured less navigated position
+    ("covariance", "f8", (3, 3)),  # m2, I: of its noise
+    # m, I: change of the measured position per radian of attitude error (I), a column for each axis
+    ("turn", "f8", (3, 3)),
+    ("age", "f8"),  # s: since the exposure
+)
 
 #: Motion of the body over the cycle between the last two readings of the inertial unit, all instruments taken
 #: together, less the believed biases, referred to the centre of mass; and the present star fix.
@@ -23,6 +33,7 @@ MOTION = record(
     ("fix_q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
     ("fix_doubt", "f8"),  # rad2: additional variance about each axis, as two star trackers disagree
     ("fixes", whole(0, MAX_TRACKERS)),  # number of star trackers of which it is the mean; 0: there is none
+    ("place", PLACE_FIX),  # position fix of the cycle by landmarks
 )
 
 #: The navigation solution: state of the centre of mass at the time of the last reading.

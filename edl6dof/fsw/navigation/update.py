@@ -12,6 +12,7 @@ from edl6dof.fsw.navigation.filters.registry import GIVEN, NAVIGATION_FILTERS
 from edl6dof.fsw.navigation.gyro_gaps import GAP_SMOOTHING, smooth_gap
 from edl6dof.fsw.navigation.inertial import INERTIAL_MEMORY, read_motion, take_reading
 from edl6dof.fsw.navigation.integrity import INTEGRITY, check_integrity
+from edl6dof.fsw.navigation.landmark_fix import LANDMARK_FIXES, note_exposure, read_landmarks
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.navigation.star_fixes import STAR_WATCH, read_stars
@@ -38,6 +39,7 @@ NAVIGATION = record(
     ("beam_watch", BEAM_WATCH),
     ("star_watch", STAR_WATCH),
     ("exclusions", EXCLUSIONS),
+    ("landmarks", LANDMARK_FIXES),
     ("filter", NAVIGATION_FILTERS.memory),
 )
 
@@ -70,6 +72,7 @@ def navigate(filters, onboard, state, sensed, memory):
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     body = onboard.vehicle.configuration[state.configuration]
     centre = take3(body.centre, 0)
+    before = take3(solution.r_I, 0)
     dt = take_reading(onboard.instruments, sensed.t, sensed.inertial, memory.inertial)
     put3(motion.centre, 0, centre)
     if dt > LEAST_TIME:
@@ -95,6 +98,9 @@ def navigate(filters, onboard, state, sensed, memory):
             params.recovery, onboard, memory.health, sensed, motion, memory=memory.recovery, solution=solution
         )
         solution.looked = 0
+        way = add(take3(memory.landmarks.way, 0), sub(take3(solution.r_I, 0), before))
+        put3(memory.landmarks.way, 0, way)
+        read_landmarks(onboard, sensed, solution, memory.landmarks, motion.place)
         correct_solution(
             params.filter,
             params,
@@ -105,6 +111,7 @@ def navigate(filters, onboard, state, sensed, memory):
             solution=solution,
             memory=memory.filter,
         )
+        note_exposure(onboard, sensed, motion, solution, memory.landmarks)
         watch(onboard, sensed, memory)
 
 

@@ -1,5 +1,6 @@
 """Error-state Kalman filter: position, velocity, attitude, biases of gyros and accelerometers, height and
-slope of the ground, corrected by star fixes and by range and speed of each radar beam.
+slope of the ground, corrected by star fixes, by range and speed of each radar beam, and by position fixes
+from landmarks.
 
 The covariance is propagated at a low rate, and whenever a reading is used; errors that the readings share
 (scale factors and misalignments, bias of a beam's range, of the star tracker) are considered, not estimated.
@@ -17,6 +18,7 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import (
     report_covariance,
     start_covariance,
 )
+from edl6dof.fsw.navigation.filters.kalman.landmark_update import update_by_landmarks
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import apply_correction, update_by_stars
 from edl6dof.fsw.navigation.filters.kalman.radar_update import update_by_radar
 from edl6dof.fsw.navigation.filters.kalman.states import (
@@ -129,13 +131,16 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
     echoes = count_usable_beams(health, sensed.radar, onboard.instruments.n_beams)
     radar = radar and echoes > 0
-    if stars or radar or memory.interval.dt > params.covariance_interval - early:
+    landmarks = motion.place.matches > 0
+    if stars or radar or landmarks or memory.interval.dt > params.covariance_interval - early:
         # a single echo may not be from the ground
         _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory=memory)
         if stars:
             update_by_stars(params, onboard, sensed, motion, solution, memory=memory)
         if radar:
             update_by_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
+        if landmarks:
+            update_by_landmarks(params, motion.place, memory)
         apply_correction(memory, solution)
         report_covariance(onboard.planet, memory.covariance, solution)
 

@@ -24,6 +24,7 @@ from edl6dof.fsw.navigation.filters import (
     two_filter,
 )
 from edl6dof.fsw.navigation.integrity import GuardParams
+from edl6dof.fsw.navigation.landmark_fix import LandmarkFixParams
 from edl6dof.fsw.navigation.parity_test import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.redundancy import SaturationParams
@@ -50,6 +51,7 @@ class NavigationParams(_Filters):
     saturation: SaturationParams = group(SaturationParams, "treatment of saturated gyros")
     recovery: RecoveryParams = group(RecoveryParams, "recovery of the vertical after the attitude was lost")
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
+    landmarks: LandmarkFixParams = group(LandmarkFixParams, "position fixes from landmarks of a map")
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
 
 

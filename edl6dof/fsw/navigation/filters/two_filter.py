@@ -3,7 +3,8 @@ data editing, and height as the mean of buffered beam heights; each corrects the
 converged.
 
 The velocity filter fits errors of velocity and acceleration (6 states) to the speeds along the beams, with
-fading weights. Position and attitude remain those of the inertial unit.
+fading weights. Position fixes from landmarks correct the horizontal position; without them it remains that of
+the inertial unit, as the attitude does.
 
 Source: C. W. Chen and B. D. Pollard, "Radar terminal descent sensor performance during Mars Science
 Laboratory landing", Journal of Spacecraft and Rockets 51 (2014); the fit: Bierman, Factorization Methods for
@@ -23,6 +24,7 @@ from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     optimal_gain,
     predicted_variance,
 )
+from edl6dof.fsw.navigation.landmark_fix import deviation_along
 from edl6dof.fsw.navigation.radar_beams import (
     STEEPEST,
     beam_usable,
@@ -38,7 +40,7 @@ from edl6dof.records import COUNT, FLAG, record
 from edl6dof.registry import Member
 from edl6dof.spatial.elementary import exp
 from edl6dof.spatial.quaternion import from_frame
-from edl6dof.spatial.vector import add, dot, put3, take3
+from edl6dof.spatial.vector import add, dot, put3, scale, take3
 
 #: Beam heights that the buffer can hold.
 HEIGHTS = 128
@@ -52,6 +54,8 @@ TWO_FILTER = record(
     ("height_error", "f8", (HEIGHTS,)),  # m: by how much the believed height is too large, beam by beam
     ("heights", COUNT),  # beam heights so far
     ("started_t", "f8"),  # s, flight time
+    ("placed_t", "f8"),  # s, flight time: last position fix; 0: none
+    ("place_variance", "f8", (2,)),  # m2: of the position on the map north and east, after that fix
     # workspace
     ("considered", "f8", (6,)),
     ("row", "f8", (6,)),
@@ -91,7 +95,7 @@ def start(params, onboard, sensed, solution, memory):
         memory.covariance[i, i] = params.velocity_sigma**2
         memory.covariance[3 + i, 3 + i] = params.acceleration_sigma**2
     memory.converged, memory.heights, memory.age = 0, 0, 0.0
-    memory.started_t = solution.t
+    memory.started_t, memory.placed_t = solution.t, 0.0
     _report_covariance(params, onboard, solution, memory)
 
 
@@ -99,6 +103,8 @@ def start(params, onboard, sensed, solution, memory):
 def correct(params, onboard, health, sensed, motion, solution, memory):
     """Process a radar measurement when due, and correct the quantities whose filter has converged."""
     memory.age += motion.dt
+    if motion.place.matches > 0:
+        _correct_position(onboard, motion.place, solution, memory)
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
     n_beams = onboard.instruments.n_beams
     if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
@@ -212,6 +218,27 @@ def _correct_height(params, solution, memory):
 
 
 @kernel
+def _correct_position(onboard, fix, solution, memory):
+    """Correct the horizontal position by a position fix (``PLACE_FIX``): a scalar filter along north and
+    east, whose variance does not fall below that by the attitude error, which all fixes share.
+    """
+    r_I, error = take3(solution.r_I, 0), take3(fix.error, 0)
+    north, east, _, _ = level_axes(onboard.planet, r_I, solution.t)
+    for i, axis in enumerate((north, east)):
+        own, turned = deviation_along(fix, axis)
+        lasting = (turned * solution.sigma_attitude[i]) ** 2
+        variance = solution.sigma_r[i] ** 2
+        if memory.placed_t > 0.0:
+            variance = memory.place_variance[i]
+            variance += (solution.sigma_v[i] * (solution.t - memory.placed_t)) ** 2
+        share = variance / (variance + own**2 + lasting)
+        r_I = add(r_I, scale(share * dot(error, axis), axis))
+        memory.place_variance[i] = max((1.0 - share) * variance, lasting)
+    put3(solution.r_I, 0, r_I)
+    memory.placed_t = solution.t
+
+
+@kernel
 def _report_covariance(params, onboard, solution, memory):
     """Write the standard deviations: of fit and mean, otherwise of dead reckoning from the start."""
     instruments, t = onboard.instruments, solution.t - memory.started_t
@@ -222,6 +249,10 @@ def _report_covariance(params, onboard, solution, memory):
     for i, axis in enumerate((north, east, up)):
         tracked, grown = instruments.tracking_position_sigma[i], instruments.tracking_velocity_sigma[i] * t
         solution.sigma_r[i] = sqrt(tracked**2 + grown**2)
+        if memory.placed_t > 0.0 and i < 2:
+            displaced = onboard.instruments.landmarks.map_offset
+            grown = solution.sigma_v[i] * (solution.t - memory.placed_t)
+            solution.sigma_r[i] = sqrt(memory.place_variance[i] + grown**2 + displaced**2)
         fitted = deviation(memory.covariance, 0, axis)
         solution.sigma_v[i] = fitted if memory.converged != 0 else instruments.tracking_velocity_sigma[i]
         solution.sigma_attitude[i] = sqrt(attitude)

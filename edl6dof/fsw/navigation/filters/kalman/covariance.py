@@ -14,6 +14,7 @@ from edl6dof.fsw.navigation.filters.kalman.states import (
     ATTITUDE_ERROR,
     GYRO_BIAS,
     GYRO_SCALE,
+    MAP_OFFSET,
     POSITION,
     RANGE_BIAS,
     RANGE_SCALE,
@@ -148,6 +149,7 @@ def fill_considered(instruments, gyro_spread, accelerometer_spread, considered):
         considered[ACCELEROMETER_SCALE + k] = instruments.accelerometer_scale**2 * accelerometer_spread[i, i]
     for i in range(3):
         considered[STAR_BIAS + i] = instruments.star_bias**2
+        considered[MAP_OFFSET + i] = instruments.landmarks.map_offset**2
     for beam in range(instruments.n_beams):
         considered[RANGE_SCALE + beam] = instruments.range_scale**2
         considered[SPEED_SCALE + beam] = instruments.speed_scale**2

@@ -31,11 +31,13 @@ POSITION, VELOCITY, ATTITUDE_ERROR, GYRO_BIAS, ACCELEROMETER_BIAS, TERRAIN, SLOP
 STATES = 18
 #: First index of the considered errors.  Scale and misalignment of gyros: error of the measured rate (B) for
 #: a unit rate about each axis of B in turn; of accelerometers: for a unit specific force.  Bias of the star
-#: tracker (rad, B). Scale of the range of each beam, and of its speed; bias of its range (m).
+#: tracker (rad, B). Scale of the range of each beam, and of its speed; bias of its range (m). Displacement of
+#: the map of landmarks (m, I).
 GYRO_SCALE, ACCELEROMETER_SCALE = STATES, STATES + 9
 STAR_BIAS, RANGE_SCALE = STATES + 18, STATES + 21
 SPEED_SCALE, RANGE_BIAS = RANGE_SCALE + MAX_BEAMS, RANGE_SCALE + 2 * MAX_BEAMS
-WIDTH = RANGE_BIAS + MAX_BEAMS
+MAP_OFFSET = RANGE_BIAS + MAX_BEAMS
+WIDTH = MAP_OFFSET + 3
 #: Number of states that change within an interval, and of errors that act on them; both are the first
 #: indices.
 MOVING, ACTING = 9, STAR_BIAS
