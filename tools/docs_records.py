@@ -47,6 +47,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "Navigation filters": (
         ("edl6dof.fsw.navigation.solution", "MOTION", "`motion` of a filter"),
+        ("edl6dof.fsw.navigation.solution", "PLACE_FIX", "`motion.place`: position fix by landmarks"),
         ("edl6dof.fsw.navigation.solution", "SOLUTION", "`solution` of a filter"),
         ("edl6dof.fsw.navigation.solution", "INSTRUMENT_HEALTH", "`health` of a filter"),
         ("edl6dof.fsw.navigation.solution", "ESTIMATE", "output of navigation"),
@@ -60,6 +61,7 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("edl6dof.interface.sensed", "LIDAR", "lidar"),
         ("edl6dof.interface.sensed", "STEREO", "stereo cameras"),
         ("edl6dof.interface.sensed", "CAMERA", "landing camera"),
+        ("edl6dof.interface.sensed", "LANDMARKS", "landmark camera"),
         ("edl6dof.interface.command", "COMMAND", "commands to thrusters, engines and events"),
         ("edl6dof.interface.command", "EXTERNAL", "commands from outside (`edl6dof.Simulation`)"),
         ("edl6dof.interface.command", "GIVEN", "commands of `EXTERNAL` that are in force"),

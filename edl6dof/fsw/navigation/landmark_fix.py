@@ -153,21 +153,21 @@ LEAST_ANGLE = 1e-4
 @kernel
 def residual(params, known, frame, position, k, memory):
     """Errors of the tangents of match ``k`` seen from a ``position`` (m), the depth of its place (m, not
-    positive behind the camera), the variance of the errors, and whether it agrees.
+    positive behind the camera), and whether it agrees.
     """
     x, y, z = frame
     to_place = sub(take3(memory.place[k], 0), position)
     depth = dot(x, to_place)
     if depth <= 0.0:
-        return 0.0, 0.0, depth, 1.0, False
+        return 0.0, 0.0, depth, False
     off_y = memory.seen[k, 0] - dot(y, to_place) / depth
     off_z = memory.seen[k, 1] - dot(z, to_place) / depth
-    variance = (known.noise / known.focal) ** 2 + (known.map_noise / depth) ** 2
-    # what a rotation leaves after the best displacement
+    # what a rotation leaves after the best displacement grows with the square of the tangent
     square = memory.seen[k, 0] ** 2 + memory.seen[k, 1] ** 2
-    wide = variance + (params.attitude * square) ** 2
-    agrees = off_y * off_y + off_z * off_z <= params.gate * params.gate * 2.0 * wide
-    return off_y, off_z, depth, variance, agrees
+    variance = (known.noise / known.focal) ** 2 + (known.map_noise / depth) ** 2 * (1.0 + square)
+    variance += (params.attitude * square) ** 2
+    agrees = off_y * off_y + off_z * off_z <= 2.0 * params.gate * params.gate * variance
+    return off_y, off_z, depth, agrees
 
 
 @kernel
@@ -184,7 +184,7 @@ def consensus(params, known, frame, count, draw, memory):
         if spread > 0.0:
             agreed = 0
             for k in range(count):
-                agreed += residual(params, known, frame, position, k, memory=memory)[4]
+                agreed += residual(params, known, frame, position, k, memory=memory)[3]
             if agreed > most:
                 best, most = position, agreed
     return best, most
@@ -221,29 +221,37 @@ def locate(params, known, frame, count, start, memory, fix):
         fix.matches = 0
         clear(fix.turn)
         for k in range(count):
-            off_y, off_z, depth, variance, agrees = residual(params, known, frame, position, k, memory=memory)
+            off_y, off_z, depth, agrees = residual(params, known, frame, position, k, memory=memory)
             if agrees:
                 fix.matches += 1
                 to_place = sub(take3(memory.place[k], 0), position)
-                for axis, off in ((y, off_y), (z, off_z)):
-                    tangent = dot(axis, to_place) / depth
-                    h = scale(-1.0 / depth, sub(axis, scale(tangent, x)))
-                    xx, yy, zz = (
-                        xx + h[0] * h[0] / variance,
-                        yy + h[1] * h[1] / variance,
-                        zz + h[2] * h[2] / variance,
+                tan_y, tan_z = dot(y, to_place) / depth, dot(z, to_place) / depth
+                pixel, place = (known.noise / known.focal) ** 2, (known.map_noise / depth) ** 2
+                # an error of the place is isotropic: its part along the line of sight correlates the tangents
+                variance_y, variance_z = pixel + place * (1.0 + tan_y**2), pixel + place * (1.0 + tan_z**2)
+                share = place * tan_y * tan_z / variance_y
+                h_y = scale(-1.0 / depth, sub(y, scale(tan_y, x)))
+                h_z = sub(scale(-1.0 / depth, sub(z, scale(tan_z, x))), scale(share, h_y))
+                for h, off, weight in (
+                    (h_y, off_y, 1.0 / variance_y),
+                    (h_z, off_z - share * off_y, 1.0 / (variance_z - share * share * variance_y)),
+                ):
+                    xx, xy, xz = (
+                        xx + weight * h[0] * h[0],
+                        xy + weight * h[0] * h[1],
+                        xz + weight * h[0] * h[2],
                     )
-                    xy, xz, yz = (
-                        xy + h[0] * h[1] / variance,
-                        xz + h[0] * h[2] / variance,
-                        yz + h[1] * h[2] / variance,
+                    yy, yz, zz = (
+                        yy + weight * h[1] * h[1],
+                        yz + weight * h[1] * h[2],
+                        zz + weight * h[2] * h[2],
                     )
-                    right = add(right, scale(off / variance, h))
+                    right = add(right, scale(weight * off, h))
                     # an attitude error psi changes the tangent by (to_place x h) . psi
                     g = cross(to_place, h)
                     for i in range(3):
                         for j in range(3):
-                            fix.turn[i, j] += h[i] * g[j] / variance
+                            fix.turn[i, j] += weight * h[i] * g[j]
         if fix.matches < params.least_matches:
             fix.matches = 0
             return
