@@ -171,7 +171,9 @@ def find_landmarks(params, unit, case, tables, plant, outputs, memory):
         i, j = first + a // LANDMARK_ROWS, left + a % LANDMARK_ROWS
         mark = random_bits_at(_MAP_KEY + level, i, j)
         north, east = (i + uniform(mark, 0)) * cell, (j + uniform(mark, 1)) * cell
-        place_F, error_F = landmark(params, unit, case, tables, plant.inputs.areoid, (north, east), mark=mark)
+        place_F, error_F = landmark(
+            params, unit, case, tables, plant.inputs.areoid, place=(north, east), mark=mark
+        )
         look = to_frame(attitude, rotate_z(c, -s, sub(place_F, eye_F)))
         distance = norm(look)
         inside = look[0] > 0.0 and max(abs(look[1]), abs(look[2])) <= tangent * look[0]
