@@ -150,8 +150,9 @@ def figures_of(flight: FlightRecords) -> dict[str, float]:
 
 
 def _hazard(flight: FlightRecords, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
-    """Figures of hazard detection; empty without it."""
-    if flight.scenario.flight_software.hazard.detection == "given":
+    """Figures of hazard detection and of the site of the map; empty without either."""
+    hazard = flight.scenario.flight_software.hazard
+    if hazard.detection == "given" and hazard.sites.spacing_m == 0.0:
         return {}
     lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
     return drift_figures(flight.telemetry, when, lines) | hazard_figures(

@@ -1,12 +1,12 @@
 """A Kalman filter written as textbooks write it, with full matrices, to hold the compiled one against.
 
-63 errors: 18 that are estimated, in the order of the compiled filter, and 45 that are considered, whose gain
+66 errors: 18 that are estimated, in the order of the compiled filter, and 48 that are considered, whose gain
 is zero; P' = (1 - K H) P (1 - K H)' + K R K' with dense matrices.  Nothing of the package is used.
 """
 
 import numpy as np
 
-ESTIMATED, ALL = 18, 63
+ESTIMATED, ALL = 18, 66
 
 
 def skew(v):
@@ -42,6 +42,7 @@ class TextbookFilter:
                 np.tile(unit["accelerometer_scale"] ** 2 * np.diag(spread), 3),
                 np.full(3, star),
                 *([size**2] * 4 + [0.0] * 4 for size in unit[["range_scale", "speed_scale", "range_bias"]]),
+                np.full(3, unit["landmarks"]["map_offset"] ** 2),
             ]
         )
         P[18:, 18:] = np.diag(considered)
