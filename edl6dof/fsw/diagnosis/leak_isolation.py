@@ -14,10 +14,9 @@ does not respond; the branch is used again if nothing changes when it is closed.
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
 would show a leak, unless its thrusters respond to commands before that.
 
-
-A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not exclude
-it. Each of its looks is evidence for the mean of "open" and "shut", and none counts for more than its share of
-what names a thruster, so that no jerk is taken for it.
+A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not
+exclude it: the likelihood of a look is the mean of those of "open" and "shut". No look counts for more than
+its share of what names a thruster, so that no jerk is taken for such a valve.
 
 Source: none; to switch an input on and off in order to separate its effect from drifts is the lock-in
 technique of measurement.
@@ -177,8 +176,8 @@ def add_cycle(signals, residual, memory):
 
 @kernel
 def end_look(params, i, memory):
-    """Add the look that ends to the evidence that candidate ``i`` leaks, and return the sum. Where forces have
-    shown the leak, not the flow or a missing response, its valve may open and shut at random.
+    """Add the look that ends to the evidence that candidate ``i`` leaks, and return the sum. Its valve may
+    open and shut at random, unless the flow or a missing response has raised the suspicion.
     """
     look = evidence(memory.sums[i], memory.size[i])
     forget(memory.sums[i])
