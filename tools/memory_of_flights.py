@@ -3,7 +3,7 @@
     python tools/memory_of_flights.py 10000            # in a campaign, on all cores
     python tools/memory_of_flights.py 1000 --one-by-one  # each with edl6dof.fly
     python tools/memory_of_flights.py 10000 --engine dask --set simulation.time_limit_s=1  # short flights
-    python tools/memory_of_flights.py 100000 --engine dask --campaign FILE  # another campaign than tianwen1_mc
+    python tools/memory_of_flights.py 100000 --engine dask --campaign FILE  # of another campaign
 
 Prints resident memory (MB) as flights go by, of this process and of the largest process that it has started
 (the workers of Dask), its peak, its slope over the second half (kB a flight, least squares), and the hash of
