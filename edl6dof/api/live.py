@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import inf
 from time import sleep
+from uuid import uuid4
 
 from edl6dof.api.flight import Flight
 from edl6dof.api.replays import ended_by_signals
@@ -13,15 +15,18 @@ from edl6dof.replay import viewer
 from edl6dof.replay.live import Live
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.sim.flight import fly
+from edl6dof.sim.simulation import SteppedFlight
 
 #: Time (s) between two updates of the viewer.
 _INTERVAL_S = 0.5
 
 
 @contextmanager
-def live(simulation: Simulation) -> Iterator[Callable[[], None]]:
+def live(simulation: SteppedFlight, wait: bool = True) -> Iterator[Callable[..., None]]:
     """Show a flight in the desktop viewer while it is flown; yield the function that shows what has been
-    flown since its last call.  After the block, wait until the window is closed.
+    flown since its last call.  A flight that begins again, at an earlier time or with ``anew=True``, is
+    another recording in the same window.  After the block, wait until the window is closed, unless ``wait``
+    is false, which closes it.
 
     >>> simulation = edl6dof.Simulation("tianwen1")
     >>> with edl6dof.live(simulation) as show:
@@ -34,19 +39,27 @@ def live(simulation: Simulation) -> Iterator[Callable[[], None]]:
     """
     import rerun as rr
 
-    port, stream = viewer.free_port(), rr.RecordingStream("edl6dof")
-    shown = Live(stream, fly(simulation.loaded))
+    port, planned = viewer.free_port(), fly(simulation.loaded)
     with ended_by_signals(), viewer.running("--port", str(port)) as program:
         program.wait_for(port)
-        stream.connect_grpc(f"rerun+http://{viewer.HOST}:{port}/proxy", default_blueprint=shown.blueprint)
+        shown: Live | None = None
+        shown_s = inf
 
-        def show() -> None:
+        def show(anew: bool = False) -> None:
+            nonlocal shown, shown_s
+            if shown is None or anew or simulation.time_s < shown_s:
+                stream = rr.RecordingStream("edl6dof", recording_id=str(uuid4()))
+                shown = Live(stream, planned)
+                address = f"rerun+http://{viewer.HOST}:{port}/proxy"
+                stream.connect_grpc(address, default_blueprint=shown.blueprint)
+            shown_s = simulation.time_s
             with program.asked():
                 shown.update(simulation.flight())
 
         yield show
-        show()
-        program.wait()
+        if wait:
+            show()
+            program.wait()
 
 
 def fly_live(loaded: LoadedScenario, pace: float) -> Flight:
