@@ -11,11 +11,11 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from edl6dof.api.live import WatchedFleet
 from edl6dof.config.wording import unknown
 from edl6dof.gym.episodes import Episodes, known_options
 from edl6dof.gym.task import Task
 from edl6dof.gym.tasks import DeadThruster, EntryBank, FaultDiagnosis, HazardDivert, PoweredDescent
-from edl6dof.gym.watched import INTERVAL_S, Watched
 
 TASKS: dict[str, type[Task]] = {
     task.__name__: task for task in (EntryBank, PoweredDescent, HazardDivert, DeadThruster, FaultDiagnosis)
@@ -40,20 +40,20 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         pool: number of dispersed flights that episodes draw from; each is flown when it is first drawn.
         first_case: case number of the first flight of the pool.  Environments whose ranges of ``pool`` cases
             from ``first_case`` on do not overlap have no flight in common.
-        render_mode: ``None``, or ``human`` to show each episode in the desktop viewer, as :func:`edl6dof.live`
-            does, while it is stepped.
+        render_mode: ``None``, or ``human`` to show each episode in the desktop viewer while it is stepped, as
+            :func:`edl6dof.live` does.
 
     Raises:
         ValueError: there is no such task, pool or render mode.
     """
 
-    metadata: dict[str, Any] = {"render_modes": ["human"], "render_fps": 1.0 / INTERVAL_S}
+    metadata: dict[str, Any] = {"render_modes": ["human"], "render_fps": 2.0}
 
     def __init__(self, task: str, pool: int = 64, first_case: int = 0, render_mode: str | None = None):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(unknown("render mode", render_mode, self.metadata["render_modes"]))
         self.render_mode = render_mode
-        self._watched: Watched | None = None
+        self._watched: WatchedFleet | None = None
         self._episodes = Episodes(task_called(task), 1, 1, pool, first_case)
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
@@ -78,7 +78,7 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         else:
             self._episodes.begin([0], [self.np_random])
         if self.render_mode is not None:
-            self._watched = self._watched or Watched(self.task)
+            self._watched = self._watched or WatchedFleet(self.task.fleet, self.task.loaded)
             self._watched.begin()
         return self.task.observe()[0], {}
 
