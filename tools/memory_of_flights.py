@@ -3,9 +3,11 @@
     python tools/memory_of_flights.py 10000            # in a campaign, on all cores
     python tools/memory_of_flights.py 1000 --one-by-one  # each with edl6dof.fly
     python tools/memory_of_flights.py 10000 --engine dask --set simulation.time_limit_s=1  # short flights
+    python tools/memory_of_flights.py 100000 --engine dask --campaign FILE  # of another campaign
 
 Prints resident memory (MB) as flights go by, of this process and of the largest process that it has started
-(the workers of Dask), and its slope over the second half (kB a flight, least squares).
+(the workers of Dask), its peak, its slope over the second half (kB a flight, least squares), and the hash of
+the table of a campaign, which is the same for both engines.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import os
 import threading
 from collections.abc import Callable, Sequence
+from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -61,19 +64,23 @@ def measured(work: Callable[[Callable[[int], None]], None]) -> list[tuple[int, f
     return samples
 
 
-def in_a_campaign(flights: int, engine: str, sets: Sequence[str]) -> Callable[[Callable[[int], None]], None]:
+def in_a_campaign(
+    campaign: str, flights: int, engine: str, sets: Sequence[str]
+) -> Callable[[Callable[[int], None]], None]:
     """Dispersed flights of one campaign."""
 
     def work(tell: Callable[[int], None]) -> None:
         with TemporaryDirectory() as folder:
+            out = Path(folder) / "out"
             edl6dof.campaign(
-                "tianwen1_mc",
+                campaign,
                 sets,
                 cases=flights,
                 engine=engine,
-                out=Path(folder) / "out",
+                out=out,
                 progress=lambda done, total: tell(done),
             )
+            print("cases.parquet", sha256((out / "cases.parquet").read_bytes()).hexdigest())
 
     return work
 
@@ -95,13 +102,15 @@ def main() -> None:
     parser.add_argument("flights", type=int)
     parser.add_argument("--one-by-one", action="store_true")
     parser.add_argument("--engine", choices=("threads", "dask"), default="threads")
+    parser.add_argument("--campaign", default="tianwen1_mc")
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE")
     options = parser.parse_args()
-    campaign = in_a_campaign(options.flights, options.engine, options.set)
+    campaign = in_a_campaign(options.campaign, options.flights, options.engine, options.set)
     samples = np.array(measured(one_by_one(options.flights) if options.one_by_one else campaign))
     for share in (0.1, 0.25, 0.5, 0.75, 1.0):
         count, own, largest = samples[np.searchsorted(samples[:, 0], share * options.flights, "right") - 1]
         print(f"after {count:6.0f} flights: {own:6.0f} MB, {largest:6.0f} MB")
+    print(f"peak: {samples[:, 1].max():.0f} MB, {samples[:, 2].max():.0f} MB")
     late = samples[samples[:, 0] >= 0.5 * options.flights]
     slopes = [1e3 * np.polyfit(late[:, 0], late[:, k], 1)[0] for k in (1, 2)]
     print(f"slope of the second half: {slopes[0]:.2f} kB a flight, {slopes[1]:.2f} kB")

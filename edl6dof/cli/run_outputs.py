@@ -67,7 +67,7 @@ def replay(
         raise refusal("--tour", f"is the page Tour; --page names {page}")
     if runs[0].is_dir():  # load a campaign's plugins before the families that they join
         functions.activate(runs[0])
-    from edl6dof.replay.viewer import NoFilm, ViewerFailed
+    from edl6dof.replay.failures import NoFilm, ViewerFailed
 
     with refusing_damage(*runs):
         try:

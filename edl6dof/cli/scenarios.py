@@ -64,7 +64,7 @@ def fly(
     from edl6dof.api.functions import report as write_report
     from edl6dof.api.progress import flight_progress
     from edl6dof.manifest import listed
-    from edl6dof.replay.viewer import ViewerFailed
+    from edl6dof.replay.failures import ViewerFailed
     from edl6dof.report.terminal import headline, show_flight
     from edl6dof.runs.files import default_folder
     from edl6dof.scenario.loading import load_scenario

@@ -112,6 +112,14 @@ def believe_thrust(params, vehicle, nav, disturbance, command, dt, memory, state
 
 
 @kernel
+def stands(nav, phase):
+    """Return whether the vehicle stands on the ground and no thruster may fire. The ground holds it, so a
+    thruster that is tested there seems dead.
+    """
+    return nav.footpad_contact != 0 and phase.n_thrusters == 0
+
+
+@kernel
 def run(functions, onboard, sensed, k, fsw):
     """Run base cycle number ``k``, from ``sensed`` to ``fsw.command``, with the kernels ``functions``
     (:mod:`.functions`).
@@ -229,7 +237,9 @@ def run(functions, onboard, sensed, k, fsw):
         healthy=healthy,
         loss=fsw.health.loss,
     )
-    diagnose(onboard.diagnosis, signals, fsw.diagnosis)
+    standing = stands(nav, phase)
+    if not standing:
+        diagnose(onboard.diagnosis, signals, fsw.diagnosis)
     for b in range(vehicle.branches.count):
         command.latch_closed[b] = fsw.diagnosis.leak.latch_closed[b]
     replace_health(external, count, healthy)
@@ -309,7 +319,9 @@ def run(functions, onboard, sensed, k, fsw):
             t=nav.t,
             dt=control_dt,
         )
-        i, j = pair_to_test(onboard.diagnosis.exercise, resting, fsw.diagnosis.exercise)
+        i, j = NONE, NONE
+        if not standing:
+            i, j = pair_to_test(onboard.diagnosis.exercise, resting, fsw.diagnosis.exercise)
         if i != NONE:
             open_for_test(i, vehicle, nav.t, control_dt, fsw.modulation)
         if j != NONE:

@@ -11,6 +11,7 @@ from gymnasium.utils.seeding import np_random
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
+from edl6dof.api.live import WatchedFleet
 from edl6dof.config.wording import unknown
 from edl6dof.gym.episodes import Episodes, known_options
 from edl6dof.gym.task import Task
@@ -39,13 +40,20 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         pool: number of dispersed flights that episodes draw from; each is flown when it is first drawn.
         first_case: case number of the first flight of the pool.  Environments whose ranges of ``pool`` cases
             from ``first_case`` on do not overlap have no flight in common.
-        render_mode: always ``None``.
+        render_mode: ``None``, or ``human`` to show each episode in the desktop viewer while it is stepped, as
+            :func:`edl6dof.live` does.
+
+    Raises:
+        ValueError: there is no such task, pool or render mode.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["human"], "render_fps": 2.0}
 
     def __init__(self, task: str, pool: int = 64, first_case: int = 0, render_mode: str | None = None):
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(unknown("render mode", render_mode, self.metadata["render_modes"]))
         self.render_mode = render_mode
+        self._watched: WatchedFleet | None = None
         self._episodes = Episodes(task_called(task), 1, 1, pool, first_case)
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
@@ -69,6 +77,9 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
             self._episodes.begin_with(0, given["case"])
         else:
             self._episodes.begin([0], [self.np_random])
+        if self.render_mode is not None:
+            self._watched = self._watched or WatchedFleet(self.task.fleet, self.task.loaded)
+            self._watched.begin()
         return self.task.observe()[0], {}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -79,11 +90,26 @@ class FlightEnv(gymnasium.Env[np.ndarray, Any]):
         """
         seen, *values = self._episodes.step(np.asarray(action)[None])
         reward, over, cut_off, success = (one.item() for one in values)
+        if self._watched is not None:
+            self._watched.step(over or cut_off)
         return seen[0], reward, over, cut_off, {"is_success": success} if over or cut_off else {}
 
     def baseline(self) -> Any:
         """Return the action that the flight software itself would take now."""
         return self.task.baseline()[0]
+
+    def render(self) -> None:
+        """Draw nothing: each step has updated the viewer."""
+
+    def close(self) -> None:
+        """Close the viewer."""
+        if self._watched is not None:
+            self._watched.close()
+            self._watched = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """State for a copy or a pickle, which opens a viewer of its own at its next reset."""
+        return {**vars(self), "_watched": None}
 
 
 class FlightVectorEnv(VectorEnv[np.ndarray, Any, np.ndarray]):

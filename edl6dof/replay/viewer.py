@@ -22,6 +22,7 @@ from typing import IO, NamedTuple
 
 import numpy as np
 
+from edl6dof.replay.failures import NoFilm, NoViewer, ViewerFailed
 from edl6dof.replay.pages import TIMELINE
 
 HOST = "127.0.0.1"
@@ -54,18 +55,6 @@ START_S, MOST_S = 2.5, 60.0
 PICTURE, FILM = (1920, 1080), (1280, 720)
 #: Longest film (s) if no length is given.
 LENGTH_S = 60.0
-
-
-class ViewerFailed(RuntimeError):
-    """The viewer ended before its work was done, or does not do its work."""
-
-
-class NoViewer(ViewerFailed):
-    """This machine lacks what the viewer needs; the text says what."""
-
-
-class NoFilm(RuntimeError):
-    """There is no encoder, or it ended with an error; the text says which."""
 
 
 class Program:

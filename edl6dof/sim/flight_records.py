@@ -146,18 +146,17 @@ def figures_of(flight: FlightRecords) -> dict[str, float]:
             figures |= formed(flown, "navigation")
             radars = truth.sensors.radar.radars
             figures |= exclusion_figures(flight.exclusions, truth.faults, truth.components, radars, plant)
-        return figures | _hazard(flight, figures, when) | _deployment(flight, figures)
+        lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
+        figures |= drift_figures(flight.telemetry, when, lines)
+        return figures | _hazard(flight, figures) | _deployment(flight, figures)
 
 
-def _hazard(flight: FlightRecords, figures: dict[str, float], when: dict[str, float]) -> dict[str, float]:
+def _hazard(flight: FlightRecords, figures: dict[str, float]) -> dict[str, float]:
     """Figures of hazard detection and of the site of the map; empty without either."""
     hazard = flight.scenario.flight_software.hazard
     if hazard.detection == "given" and hazard.sites.spacing_m == 0.0:
         return {}
-    lines = max((chute.line_length_m for chute in flight.scenario.vehicle.parachutes), default=0.0)
-    return drift_figures(flight.telemetry, when, lines) | hazard_figures(
-        flight.case, flight.fsw[0], flight.telemetry, figures
-    )
+    return hazard_figures(flight.case, flight.fsw[0], flight.telemetry, figures)
 
 
 def _deployment(flight: FlightRecords, figures: dict[str, float]) -> dict[str, float]:

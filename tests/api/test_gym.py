@@ -293,3 +293,8 @@ def test_units_and_scales_are_printed_and_documented(environments):
 
 def test_the_bank_of_an_action_of_one_is_the_documented_one(environments):
     assert np.degrees(environments["EntryBank"].task._largest) == pytest.approx(105.0)
+
+
+def test_only_a_window_can_be_rendered():
+    with pytest.raises(ValueError, match="rgb_array"):
+        gym.FlightEnv("EntryBank", render_mode="rgb_array")

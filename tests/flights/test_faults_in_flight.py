@@ -151,3 +151,17 @@ def test_stuck_thruster_costs_propellant_when_nobody_diagnoses_it():
     unknown = edl6dof.fly("tianwen1_meters", [fault, "flight_software.diagnosis.enabled=false"])
     assert known.outcome == "landed within limits" and unknown.isolated_faults == []
     assert unknown.figures["propellant_used_kg"] > known.figures["propellant_used_kg"] + 4.0
+
+
+def test_diagnosis_rests_on_the_ground():
+    """Tested there, a thruster seems dead and a valve shut."""
+    simulation = edl6dof.Simulation("tianwen1", telemetry=False)
+    while simulation.phase != "landed":
+        assert simulation.step()
+    fsw, cycles = simulation.running.fsw[0], 0
+    before = fsw["command"]["latch_closed"].tolist()
+    while simulation.step():
+        cycles += 1
+        assert fsw["command"]["latch_closed"].tolist() == before
+        assert not np.any(fsw["modulation"]["close_time"] > fsw["modulation"]["open_time"])
+    assert cycles > 50

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import rerun as rr
 from rerun.chunk import RrdReader
@@ -110,3 +113,59 @@ def test_a_flight_goes_on_when_its_window_is_closed(monkeypatch):
     monkeypatch.setattr(live, "sleep", lambda seconds: None)
     flight = live.fly_live(edl6dof.load("tianwen1", SHORT), pace=10.0)
     assert len(shown) == 2 and flight.telemetry["t_s"][-1] == pytest.approx(20.0)
+
+
+@pytest.fixture
+def streams_to_files(monkeypatch, tmp_path):
+    """A viewer that keeps each recording in a file; returns the list of their paths."""
+    files = []
+
+    @contextmanager
+    def running(*_):
+        yield SimpleNamespace(wait_for=lambda port: None, asked=nullcontext, wait=lambda: None)
+
+    def connect(stream, _, default_blueprint):
+        files.append(tmp_path / f"{len(files)}.rrd")
+        stream.save(str(files[-1]), default_blueprint=default_blueprint)
+
+    monkeypatch.setattr(viewer, "running", running)
+    monkeypatch.setattr(rr.RecordingStream, "connect_grpc", connect)
+    return files
+
+
+def times(path):
+    """Times (s) at which a recording has a pose of the vehicle."""
+    chunks = RrdReader(path).stream().filter(content=["/site/vehicle"], is_static=False).to_chunks()
+    found = [chunk.to_record_batch().column("time").to_numpy(zero_copy_only=False) for chunk in chunks]
+    return np.concatenate(found).astype("timedelta64[ns]") / np.timedelta64(1, "s")
+
+
+def test_a_reset_begins_another_recording(streams_to_files):
+    simulation = edl6dof.Simulation("tianwen1", SHORT)
+    with live.live(simulation, wait=False) as show:
+        for cycles in (200, 150):
+            simulation.step(cycles=cycles)
+            show()
+            simulation.reset()
+    assert [float(times(path)[-1]) for path in streams_to_files] == pytest.approx([4.0, 3.0], abs=0.05)
+
+
+def test_episodes_of_an_environment_are_shown_while_they_are_stepped(streams_to_files):
+    gym = pytest.importorskip("edl6dof.gym")
+    env = gym.FlightEnv("EntryBank", pool=1, render_mode="human")
+    begun = []
+    for _ in range(2):
+        env.reset(seed=0)
+        begun.append(env._watched.flight.time_s)
+        for _ in range(3):
+            env.step(np.array([0.4], np.float32))
+        fleet, running = env.unwrapped.task.fleet, env._watched.flight.running
+        assert running.plant.tobytes() == fleet.plants.tobytes()
+        assert running.fsw.tobytes() == fleet.memories.tobytes()
+    assert env.render() is None
+    copied = copy.deepcopy(env)
+    env.close()
+    assert copied._watched is None and env._watched is None
+    assert len(streams_to_files) == 2
+    for path, start in zip(streams_to_files, begun, strict=True):
+        assert times(path)[[0, -1]] == pytest.approx([start, start + 3.0], abs=0.1)

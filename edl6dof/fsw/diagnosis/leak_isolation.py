@@ -14,6 +14,10 @@ does not respond; the branch is used again if nothing changes when it is closed.
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
 would show a leak, unless its thrusters respond to commands before that.
 
+A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not
+exclude it: the likelihood of a look is the mean of those of "open" and "shut". No look counts for more than
+its share of what names a thruster, so that no jerk is taken for such a valve.
+
 Source: none; to switch an input on and off in order to separate its effect from drifts is the lock-in
 technique of measurement.
 """
@@ -64,6 +68,7 @@ LEAK = record(
     ("flow", "f8"),  # kg/s: mean flow read after
     ("sums", SUMS, (MAX_THRUSTERS, PLANES)),  # of the present look
     ("found", "f8", (MAX_THRUSTERS,)),  # evidence of the looks before: the noise of each is unknown
+    ("random", "f8", (MAX_THRUSTERS,)),  # the same for a valve that opens and shuts at random
     ("best", whole(0, MAX_THRUSTERS - 1, of="thrusters")),
     ("unverified", COUNT, (MAX_THRUSTERS,)),  # cycle since which the valve may be open unseen; 0: not
     ("next", whole(0, MAX_THRUSTERS - 1, of="thrusters")),  # the one that is verified next
@@ -141,7 +146,7 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
     memory.metered, memory.doubt = 1 if metered else 0, doubt
     memory.branch, memory.looks, memory.flow = b, 0, 0.0
     memory.open, memory.cycles = 0 if metered else 1, 0 if metered else MIXED + LOOK
-    memory.found[:] = 0.0
+    memory.found[:] = memory.random[:] = 0.0
     for i in range(vehicle.n_thrusters):
         forget(memory.sums[i])
         on_branch = vehicle.branches.of[i] == b
@@ -170,16 +175,29 @@ def add_cycle(signals, residual, memory):
 
 
 @kernel
-def most_probable(count, memory):
+def end_look(params, i, memory):
+    """Add the look that ends to the evidence that candidate ``i`` leaks, and return the sum. Its valve may
+    open and shut at random, unless the flow or a missing response has raised the suspicion.
+    """
+    look = evidence(memory.sums[i], memory.size[i])
+    forget(memory.sums[i])
+    memory.found[i] += look
+    if memory.metered != 0 or memory.doubt <= 0.0:
+        return memory.found[i]
+    most = (memory.doubt - log(1.0 - params.confidence)) / LEAST_LOOKS
+    memory.random[i] += min(log(0.5 + 0.5 * exp(look)), most)
+    return max(memory.found[i], memory.random[i]) if memory.random[i] > 0.0 else memory.found[i]
+
+
+@kernel
+def most_probable(params, count, memory):
     """End a look, and find the best candidate. Returns its evidence, and its probability among the
     candidates; without a meter "none leaks" is one more.
     """
     most, total = -LARGEST, 0.0
     for i in range(count):
         if memory.candidate[i] != 0:
-            found = memory.found[i] + evidence(memory.sums[i], memory.size[i])
-            memory.found[i] = found
-            forget(memory.sums[i])
+            found = end_look(params, i, memory)
             if found > most:
                 total = total * exp(most - found) + 1.0
                 memory.best, most = i, found
@@ -216,7 +234,7 @@ def step_leak_isolation(params, signals, flow, residual, memory):
             return HEALTHY, 1.0
         if memory.looks < LEAST_LOOKS or not changes(WINDOW, residual):
             memory.looks += 1  # of those while forces change none is the last
-        most, confidence = most_probable(count, memory)
+        most, confidence = most_probable(params, count, memory)
         if memory.metered == 0 and exp(most) < 1.0 - params.confidence:
             for i in range(count):
                 if memory.candidate[i] != 0:

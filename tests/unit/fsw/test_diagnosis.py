@@ -583,3 +583,15 @@ def test_evidence_of_flow_and_of_force_and_torque_add(shared_onboard):
     by_flow, felt = 0.5 * 0.9**2 * 12.0, evidence(memory["off"][3], 0.9)
     assert by_flow < evidence(memory["off"][3], 1.0) - 0.5 * onboard["diagnosis"]["prior"] < by_flow + felt
     assert found[1:] == pytest.approx((0.9, by_flow + felt, by_flow))
+
+
+@pytest.mark.parametrize(("name", "seed"), [("P1", 5), ("A2", 0)])
+def test_without_meters_a_valve_that_opens_at_random_is_isolated(watch_of, name, seed):
+    """Every 0.12 s it opens or shuts by chance, so some movements of the latch valve show no leak."""
+    watch, number = watch_of(8, metered=False), NAMES.index(name)
+    for _ in range(100):
+        watch.cycle()
+    for is_open in np.random.default_rng(seed).random(100) < 0.5:
+        for _ in range(3):
+            watch.cycle((number, "stuck on", 0.0) if is_open else None, use=0.0)
+    assert watch.found == [(name, "stuck on")] and watch.shut[watch.branch[number]]

@@ -50,3 +50,8 @@ def test_what_is_below_the_lander_is_not_overhead():
 
 def test_flight_without_release_or_engine_has_no_such_figures():
     assert drift_figures(flown([(0.0, 0.0, 1.0)] * 3), {"ignition": 1.0}, 30.0) == {}
+
+
+def test_every_flight_with_a_backshell_has_its_distance(nominal):
+    assert nominal.scenario.flight_software.hazard.detection == "given"
+    assert nominal.figures["min_drift_distance_m"] <= nominal.figures["min_backshell_distance_m"]

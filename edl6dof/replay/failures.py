@@ -1,0 +1,15 @@
+"""Failures of the viewer and of the encoder of films, apart from both: a command that may meet them need not
+import the viewer.
+"""
+
+
+class ViewerFailed(RuntimeError):
+    """The viewer ended before its work was done, or does not do its work."""
+
+
+class NoViewer(ViewerFailed):
+    """This machine lacks what the viewer needs; the text says what."""
+
+
+class NoFilm(RuntimeError):
+    """There is no encoder, or it ended with an error; the text says which."""
