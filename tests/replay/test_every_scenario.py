@@ -18,6 +18,7 @@ FOLDER = Path(edl6dof.__file__).parents[1] / "scenarios"
 ALIKE = {"tianwen1_mc", "tianwen1_range_trigger", "msl_range_trigger", "case04", "case05", "case07"}
 ALIKE |= {
     "tianwen1_meters",
+    "tianwen1_trn",
     "case08",
     "case09",
     "case10",
