@@ -27,7 +27,7 @@ def test_without_the_camera_the_position_is_not_known():
 
 
 def test_a_displaced_map_displaces_the_position_as_much():
-    """The displacement of the map is the error of the position, within 5 m, and the site moves with the map."""
+    """The displacement of the map is the error of the position within 5 m; the site moves with the map."""
     wide = "sensors.landmark_camera.map_offset_m=[0, 200, 0]"
     flight = edl6dof.fly("tianwen1_trn", [wide, "simulation.log_every=50"])
     offset = flight.case["sensors"]["unit"]["landmark_camera"]["offset"][0]
