@@ -40,7 +40,7 @@ from edl6dof.sensors.ray_ground import point_motion
 from edl6dof.spatial.elementary import sincos, tan
 from edl6dof.spatial.frames import from_geodetic, ned_to_fixed, rotate_z
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.random_numbers import Stream, normal_pair, random_bits_at, uniform
+from edl6dof.spatial.random_numbers import Stream, normal_pair, random_bits, random_bits_at, uniform
 from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import add, dot, norm, put3, scale, sub, take3
 from edl6dof.vehicle.surroundings import planet_rotation
@@ -54,7 +54,7 @@ class LandmarkCameraParams(ImagerParams):
     field_of_view_deg: float = param(
         90.0,
         "field of view along rows and along columns",
-        status="published",
+        status="recalled",
         source="Johnson et al. 2017",
         gt=0.0,
         le=120.0,
@@ -62,7 +62,7 @@ class LandmarkCameraParams(ImagerParams):
     pixels: int = param(
         1024,
         "pixels along each side of the image",
-        status="published",
+        status="recalled",
         source="Johnson et al. 2017",
         ge=64,
         le=16384,
@@ -210,7 +210,7 @@ def landmark(params, unit, case, tables, areoid, place, mark):
     r_F = from_geodetic(planet.equatorial_radius, planet.flattening, lat, lon, elevation)
     altitude = elevation + dot(take3(areoid, 0), r_F) + areoid[3]
     r_F = from_geodetic(planet.equatorial_radius, planet.flattening, lat, lon, altitude)
-    own = mark ^ np.uint64(unit.key)
+    own = random_bits(unit.key, mark)
     north, east = normal_pair(own, 0)
     down, _ = normal_pair(own, 1)
     error = add(take3(unit.offset, 0), scale(params.map_noise, (north, east, down)))

@@ -20,8 +20,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.strapdown import attitude_at
 from edl6dof.interface.capacities import MAX_LANDMARKS
@@ -30,7 +28,8 @@ from edl6dof.records import COUNT, record
 from edl6dof.spatial.elementary import sincos
 from edl6dof.spatial.frames import rotate_z
 from edl6dof.spatial.quaternion import axes, from_frame
-from edl6dof.spatial.random_numbers import random_bits
+from edl6dof.spatial.random_numbers import uniform
+from edl6dof.spatial.table_index import endless_cell
 from edl6dof.spatial.vector import add, cross, dot, inertia_solve, put3, put4, scale, sub, take3, take4, unit
 
 
@@ -77,6 +76,10 @@ LANDMARK_FIXES = record(
 )
 
 
+#: Key of the draws of pairs, and counters kept for each image.
+_KEY, _PAIRS = 1981, 1 << 16
+
+
 @kernel
 def read_landmarks(onboard, sensed, solution, memory, fix):
     """Store the state at an exposure, and write the ``fix`` (``PLACE_FIX``) when matches arrive."""
@@ -86,7 +89,7 @@ def read_landmarks(onboard, sensed, solution, memory, fix):
         known, params = onboard.instruments.landmarks, onboard.navigation.landmarks
         gather(onboard.planet.rotation_rate, known, landmarks, memory)
         frame = axes(take4(memory.q_I2B))
-        draw = np.uint64(memory.images) << np.uint64(16)
+        draw = memory.images * _PAIRS
         found, agreed = consensus(params, known, frame, landmarks.count, draw, memory=memory)
         memory.images += 1
         if agreed >= params.least_matches:
@@ -179,7 +182,7 @@ def consensus(params, known, frame, count, draw, memory):
     if count < 2:
         return best, most
     for n in range(params.draws):
-        i, j = draw_pair(draw + np.uint64(n), count)
+        i, j = draw_pair(draw + n, count)
         position, spread = between_lines(frame, memory, i, j)
         if spread > 0.0:
             agreed = 0
@@ -190,17 +193,11 @@ def consensus(params, known, frame, count, draw, memory):
     return best, most
 
 
-#: Key of the draws of pairs.
-_KEY = 1981
-_32, _LOW = np.uint64(32), np.uint64(0xFFFF_FFFF)
-
-
 @kernel
 def draw_pair(counter, count):
     """Two different numbers from 0 on, below ``count`` (2 or more)."""
-    bits = random_bits(_KEY, counter)
-    i = np.int64((bits & _LOW) * np.uint64(count) >> _32)
-    j = np.int64((bits >> _32) * np.uint64(count - 1) >> _32)
+    i = endless_cell(uniform(_KEY, 2 * counter) * count)
+    j = endless_cell(uniform(_KEY, 2 * counter + 1) * (count - 1))
     return i, j + 1 if j >= i else j
 
 

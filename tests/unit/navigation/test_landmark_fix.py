@@ -57,7 +57,7 @@ def matches(position, rng, pixel=NOISE_PX, drawn=MAP_NOISE):
 
 def fixed(memory, draw=0, known=None, params=None):
     params, known = params or settings(), known or camera()
-    found, agreed = consensus(params, known, AXES, COUNT, np.uint64(draw), memory)
+    found, agreed = consensus(params, known, AXES, COUNT, draw, memory)
     fix = np.zeros(1, PLACE_FIX)[0]
     if agreed >= params["least_matches"]:
         locate(params, known, AXES, COUNT, found, memory, fix)
@@ -119,7 +119,7 @@ def test_consensus_fails_as_often_as_the_closed_form(right, draws):
         memory = matches(np.zeros(3), rng, 0.02, 0.0)
         wrong = rng.permutation(COUNT)[right:]
         memory["seen"][wrong] = rng.uniform(-1.0, 1.0, (len(wrong), 2))
-        _, agreed = consensus(params, camera(), AXES, COUNT, np.uint64(n * 64), memory)
+        _, agreed = consensus(params, camera(), AXES, COUNT, n * 64, memory)
         failed += agreed < right
     share = right * (right - 1) / (COUNT * (COUNT - 1))
     assert share == pytest.approx((right / COUNT) ** 2, rel=0.07)
@@ -128,7 +128,7 @@ def test_consensus_fails_as_often_as_the_closed_form(right, draws):
 
 
 def test_pairs_are_of_two_different_matches_and_all_are_drawn():
-    drawn = [draw_pair(np.uint64(n), 5) for n in range(2000)]
+    drawn = [draw_pair(n, 5) for n in range(2000)]
     assert {pair for pair in drawn} == {(i, j) for i in range(5) for j in range(5) if i != j}
 
 
