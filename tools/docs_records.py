@@ -47,7 +47,11 @@ RECORDS: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "Navigation filters": (
         ("edl6dof.fsw.navigation.solution", "MOTION", "`motion` of a filter"),
-        ("edl6dof.fsw.navigation.solution", "PLACE_FIX", "`motion.place`: position fix by landmarks"),
+        (
+            "edl6dof.fsw.navigation.solution",
+            "POSITION_FIX",
+            "`motion.position_fix`: position fix by landmarks",
+        ),
         ("edl6dof.fsw.navigation.solution", "SOLUTION", "`solution` of a filter"),
         ("edl6dof.fsw.navigation.solution", "INSTRUMENT_HEALTH", "`health` of a filter"),
         ("edl6dof.fsw.navigation.solution", "ESTIMATE", "output of navigation"),

@@ -66,7 +66,7 @@ def live(simulation: SteppedFlight, wait: bool = True) -> Iterator[Callable[...,
 
 class WatchedFleet:
     """Shows the first flight of a fleet in the desktop viewer.  A fleet keeps no telemetry, so the flight is
-    flown once more beside it, with the same commands and to the same bits.
+    flown a second time, with the same commands and to the same bits.
 
     Args:
         fleet: a fleet in which this flight has begun.

@@ -348,7 +348,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("landing_distance_m", "distance from the landing site", "contact", limit="landing_distance_m"),
     _F("parachute_nav_position_m", "error of the estimated position at mortar fire", "navigation",
        form=value("mortar", *_ned("nav.error_{}_m"))),
-    _F("backshell_nav_place_m", "horizontal error of the estimated position at backshell release",
+    _F("backshell_nav_horizontal_m", "horizontal error of the estimated position at backshell release",
        "navigation", form=value("backshell", *_ned("nav.error_{}_m")[:2])),
     _F("backshell_nav_attitude_deg", "error of the estimated attitude at backshell release", "navigation",
        form=value("backshell", *_ned("nav.error_attitude_{}_deg"))),

@@ -176,11 +176,8 @@ class FrozenFlight:
         place of its own, and go on to the next control cycle without flying; return the times (s) for which
         it opens the thrusters.
         """
-        f, external, known = (
-            self.flight,
-            self.flight.fsw["external"][0],
-            self.start.fsw["navigation"]["estimate"],
-        )
+        f, known = self.flight, self.start.fsw["navigation"]["estimate"]
+        external = f.fsw["external"][0]
         external["given"]["estimate"] = 1
         for name in ("r_I", "v_I", "height_above_ground"):
             external[name] = known[name][0]

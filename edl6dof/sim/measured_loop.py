@@ -115,7 +115,7 @@ class Push:
 
     def lasts(self, gain_db: float = 0.0, delay_s: float = 0.0) -> bool:
         """Return whether the oscillation after the push lasts, with this gain on the thrust and delay of the
-        valves: it keeps its amplitude, half that of the push at least, and exceeds that of the pulses.
+        valves: it keeps its amplitude, and exceeds a part of that of the push and the one of the pulses.
         """
         first, last = self.amplitudes(gain_db, delay_s)
         return last > max(_KEPT * first, _OF_PUSH * self.rate, _FLOORS * self.floor)

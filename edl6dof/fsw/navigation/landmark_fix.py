@@ -5,7 +5,8 @@ determine the position. Random sample consensus draws pairs of matches, a fixed 
 position with which most matches agree; all s = 2 matches of a pair are right with the probability (1 - eps)^s
 for a share eps of wrong matches, so k draws fail with the probability (1 - (1 - eps)^s)^k. Weighted least
 squares over the matches that agree then give the position and its covariance, with pixel noise and the errors
-of single landmarks on the map; constant errors (displacement of the map, attitude) are left to the filter.
+of single landmarks on the map. The displacement of the map and the attitude error are left to the filter. The
+misalignment of the camera counts as noise of each fix, although it is the same in all of them.
 
 The matches arrive after the exposure. Attitude and centre of mass are stored when the shutter opens; the way
 from then on, the sum of the increments of the strapdown integration, carries the fix to the present.
@@ -82,7 +83,7 @@ _KEY, _PAIRS = 1981, 1 << 16
 
 @kernel
 def read_landmarks(onboard, sensed, solution, memory, fix):
-    """Store the state at an exposure, and write the ``fix`` (``PLACE_FIX``) when matches arrive."""
+    """Store the state at an exposure, and write the ``fix`` (``POSITION_FIX``) when matches arrive."""
     fix.matches = 0
     landmarks = sensed.landmarks
     if landmarks.fresh != 0:
@@ -213,8 +214,7 @@ def locate(params, known, frame, count, start, memory, fix):
     x, y, z = frame
     position = start
     for _ in range(_STEPS):
-        xx = yy = zz = xy = xz = yz = 0.0
-        right = (0.0, 0.0, 0.0)
+        information, right = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         fix.matches = 0
         clear(fix.turn)
         for k in range(count):
@@ -233,16 +233,7 @@ def locate(params, known, frame, count, start, memory, fix):
                     (h_y, off_y, 1.0 / variance_y),
                     (h_z, off_z - share * off_y, 1.0 / (variance_z - share * share * variance_y)),
                 ):
-                    xx, xy, xz = (
-                        xx + weight * h[0] * h[0],
-                        xy + weight * h[0] * h[1],
-                        xz + weight * h[0] * h[2],
-                    )
-                    yy, yz, zz = (
-                        yy + weight * h[1] * h[1],
-                        yz + weight * h[1] * h[2],
-                        zz + weight * h[2] * h[2],
-                    )
+                    information = add_square(information, weight, h)
                     right = add(right, scale(weight * off, h))
                     # an attitude error psi changes the tangent by (to_place x h) . psi
                     g = cross(to_place, h)
@@ -252,18 +243,31 @@ def locate(params, known, frame, count, start, memory, fix):
         if fix.matches < params.least_matches:
             fix.matches = 0
             return
-        tensor = (xx, yy, zz, xy, xz, yz)
-        position = add(position, inertia_solve(tensor, right))
+        position = add(position, inertia_solve(information, right))
     put3(fix.error, 0, position)
     for j in range(3):
-        column = inertia_solve(tensor, (fix.turn[0, j], fix.turn[1, j], fix.turn[2, j]))
+        column = inertia_solve(information, (fix.turn[0, j], fix.turn[1, j], fix.turn[2, j]))
         fix.turn[0, j], fix.turn[1, j], fix.turn[2, j] = column
         axis = (1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0)
-        fix.covariance[0, j], fix.covariance[1, j], fix.covariance[2, j] = inertia_solve(tensor, axis)
+        fix.covariance[0, j], fix.covariance[1, j], fix.covariance[2, j] = inertia_solve(information, axis)
     for i in range(3):
         for j in range(3):
             turned = dot(take3(fix.turn[i], 0), take3(fix.turn[j], 0))
             fix.covariance[i, j] += known.misalignment**2 * turned
+
+
+@kernel
+def add_square(tensor, weight, h):
+    """Return a symmetric 3x3 ``tensor`` (xx, yy, zz, xy, xz, yz) plus ``weight`` times h h'."""
+    xx, yy, zz, xy, xz, yz = tensor
+    return (
+        xx + weight * h[0] * h[0],
+        yy + weight * h[1] * h[1],
+        zz + weight * h[2] * h[2],
+        xy + weight * h[0] * h[1],
+        xz + weight * h[0] * h[2],
+        yz + weight * h[1] * h[2],
+    )
 
 
 @kernel

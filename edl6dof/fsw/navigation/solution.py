@@ -8,7 +8,7 @@ from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYRO
 from edl6dof.records import FLAG, record, whole
 
 #: Position of the centre of mass by landmarks of the map, in the cycle in which the matches arrive.
-PLACE_FIX = record(
+POSITION_FIX = record(
     ("matches", whole(0, MAX_LANDMARKS)),  # matches that agree with it; 0: there is no fix in this cycle
     ("error", "f8", (3,)),  # m, I: measured less navigated position
     ("covariance", "f8", (3, 3)),  # m2, I: of its noise
@@ -33,7 +33,7 @@ MOTION = record(
     ("fix_q_I2B", "f8", (4,)),  # attitude of B in I, unit quaternion, scalar first
     ("fix_doubt", "f8"),  # rad2: additional variance about each axis, as two star trackers disagree
     ("fixes", whole(0, MAX_TRACKERS)),  # number of star trackers of which it is the mean; 0: there is none
-    ("place", PLACE_FIX),  # position fix of the cycle by landmarks
+    ("position_fix", POSITION_FIX),  # position fix of the cycle by landmarks
 )
 
 #: The navigation solution: state of the centre of mass at the time of the last reading.

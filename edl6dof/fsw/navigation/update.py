@@ -100,7 +100,7 @@ def navigate(filters, onboard, state, sensed, memory):
         solution.looked = 0
         way = add(take3(memory.landmarks.way, 0), sub(take3(solution.r_I, 0), before))
         put3(memory.landmarks.way, 0, way)
-        read_landmarks(onboard, sensed, solution, memory.landmarks, motion.place)
+        read_landmarks(onboard, sensed, solution, memory.landmarks, motion.position_fix)
         correct_solution(
             params.filter,
             params,

@@ -15,7 +15,7 @@ from edl6dof.fsw.navigation.landmark_fix import (
     note_exposure,
     read_landmarks,
 )
-from edl6dof.fsw.navigation.solution import MOTION, PLACE_FIX, SOLUTION
+from edl6dof.fsw.navigation.solution import MOTION, POSITION_FIX, SOLUTION
 from edl6dof.fsw.onboard import ONBOARD
 from edl6dof.interface.sensed import SENSED
 
@@ -58,7 +58,7 @@ def matches(position, rng, pixel=NOISE_PX, drawn=MAP_NOISE):
 def fixed(memory, draw=0, known=None, params=None):
     params, known = params or settings(), known or camera()
     found, agreed = consensus(params, known, AXES, COUNT, draw, memory)
-    fix = np.zeros(1, PLACE_FIX)[0]
+    fix = np.zeros(1, POSITION_FIX)[0]
     if agreed >= params["least_matches"]:
         locate(params, known, AXES, COUNT, found, memory, fix)
     return fix
@@ -164,7 +164,7 @@ def test_delay_leaves_no_error_in_proportion_to_speed(speed):
     solution["t"] = 11.0
     solution["r_I"] += v
     memory["way"] += v
-    read_landmarks(onboard, sensed, solution, memory, motion["place"])
-    assert motion["place"]["matches"] == COUNT
-    assert motion["place"]["error"] == pytest.approx(error, abs=1e-3)
-    assert motion["place"]["age"] == pytest.approx(0.98)
+    read_landmarks(onboard, sensed, solution, memory, motion["position_fix"])
+    assert motion["position_fix"]["matches"] == COUNT
+    assert motion["position_fix"]["error"] == pytest.approx(error, abs=1e-3)
+    assert motion["position_fix"]["age"] == pytest.approx(0.98)

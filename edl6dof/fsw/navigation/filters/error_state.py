@@ -131,7 +131,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     radar = sensed.radar.fresh != 0 and sensed.t - memory.radar_t > params.radar_interval - early
     echoes = count_usable_beams(health, sensed.radar, onboard.instruments.n_beams)
     radar = radar and echoes > 0
-    landmarks = motion.place.matches > 0
+    landmarks = motion.position_fix.matches > 0
     if stars or radar or landmarks or memory.interval.dt > params.covariance_interval - early:
         # a single echo may not be from the ground
         _carry_forward(params, onboard, health, radar and echoes > 1, solution, memory=memory)
@@ -140,7 +140,7 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         if radar:
             update_by_radar(params, onboard, health, sensed, motion, solution=solution, memory=memory)
         if landmarks:
-            update_by_landmarks(params, motion.place, memory)
+            update_by_landmarks(params, motion.position_fix, memory)
         apply_correction(memory, solution)
         report_covariance(onboard.planet, memory.covariance, solution)
 

@@ -103,8 +103,8 @@ def start(params, onboard, sensed, solution, memory):
 def correct(params, onboard, health, sensed, motion, solution, memory):
     """Process a radar measurement when due, and correct the quantities whose filter has converged."""
     memory.age += motion.dt
-    if motion.place.matches > 0:
-        _correct_position(onboard, motion.place, solution, memory)
+    if motion.position_fix.matches > 0:
+        _correct_position(onboard, motion.position_fix, solution, memory)
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
     n_beams = onboard.instruments.n_beams
     if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
@@ -219,7 +219,7 @@ def _correct_height(params, solution, memory):
 
 @kernel
 def _correct_position(onboard, fix, solution, memory):
-    """Correct the horizontal position by a position fix (``PLACE_FIX``): a scalar filter along north and
+    """Correct the horizontal position by a position fix (``POSITION_FIX``): a scalar filter along north and
     east, whose variance does not fall below that by the attitude error, which all fixes share.
     """
     r_I, error = take3(solution.r_I, 0), take3(fix.error, 0)

@@ -31,7 +31,7 @@ from edl6dof.spatial.vector import put3, take3
 
 @kernel
 def update_by_landmarks(params, fix, memory):
-    """Update covariance and correction with a ``fix`` (``PLACE_FIX``)."""
+    """Update covariance and correction with a ``fix`` (``POSITION_FIX``)."""
     rows, innovation, spread = memory.rows, memory.innovation, memory.spread
     for i in range(3):
         clear_row(rows[i])
