@@ -51,3 +51,22 @@ def test_half_a_thruster_lost_within_a_pulse_is_no_failed_meter():
     flight = edl6dof.fly("tianwen1_meters", [f"faults=[{fault}]", "simulation.time_limit_s=185"])
     assert meters(flight) == set()
     assert [one.thruster for one in flight.isolated_faults] == ["D2"]
+
+
+@pytest.mark.parametrize(
+    ("meter", "thruster", "at"),
+    [
+        ("A24", "A2", 63.2),
+        ("A24", "A4", 63.2),
+        ("P12", "P1", 63.2),
+        ("P12", "P2", 70.0),
+        ("F12", "F1", 100.0),
+    ],
+)
+def test_a_leak_behind_a_meter_that_has_failed_unnoticed_is_isolated(meter, thruster, at):
+    """Before, A2 and A4 were not noticed, and P1 was taken for dead: the vehicle lost its attitude."""
+    outage = f"{{kind: reading_outage, flow_meter: {meter}, at: {{time_s: 20}}}}"
+    leak = f"{{kind: stuck_on, thruster: {thruster}, at: {{time_s: {at}}}}}"
+    flight = edl6dof.fly("tianwen1_meters", [f"faults=[{outage}, {leak}]", "simulation.time_limit_s=185"])
+    assert [(one.thruster, one.kind) for one in flight.isolated_faults] == [(thruster, "stuck on")]
+    assert flight.isolated_faults[0].t_s < at + 3.0

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 from edl6dof.config.base import Params, group, param
 from edl6dof.fsw.diagnosis.exercise import EXERCISE, ExerciseParams
 from edl6dof.fsw.diagnosis.flow_evidence import (
+    CONFIRMED,
     FLOW,
     NONE,
     FlowParams,
@@ -250,6 +251,15 @@ def continue_leak_isolation(params, signals, memory):
 
 
 @kernel
+def may_be_open(metered, b, best, flow):
+    """Return whether the thruster of branch ``b`` that does not respond may be stuck open instead of closed:
+    no meter shows that it has no flow. A meter does so only if it has read the flow of another thruster.
+    """
+    shown = is_read(metered, b, flow) and flow.meter_check[b] == CONFIRMED
+    return best.branch == NONE and not shown
+
+
+@kernel
 def update_streak(params, before, memory):
     """Count the cycles in a row with the same confident hypothesis; ``before``: (thruster, kind) of the last
     cycle.
@@ -294,7 +304,7 @@ def diagnose(params, signals, memory):
             suspect_leak(params, signals, residual, flow, memory.leak, memory=best)
         no_response = memory.streak >= params.streak and best.loss >= params.loss_dead
         suspected = vehicle.branches.of[best.thruster]
-        if (best.kind == STUCK_ON or no_response) and not is_read(metered, suspected, flow):
+        if best.kind == STUCK_ON or no_response and may_be_open(metered, suspected, best, flow):
             leaking, metered_leak = suspected, False
         elif settled and best.kind == NOTHING:
             leaking, metered_leak = branch_to_verify(params, signals, residual, flow, memory.leak), False

@@ -78,9 +78,10 @@ def expected_evidence(cycles, effectiveness, residual):
 
 @kernel
 def suspect_leak(params, signals, residual, flow, leak, memory):
-    """Make the opening of a valve the best hypothesis if the stored innovations show one in a branch without
-    a meter. Its confidence stays low: moving the latch valve decides. The first cycles of a dead thruster
-    resemble the opening of the opposite one; so its evidence has to be twice that of the best loss.
+    """Make the opening of a valve the best hypothesis if the stored innovations show one. Its confidence
+    stays low: moving the latch valve decides. The first cycles of a dead thruster resemble the opening of
+    the opposite one; so its evidence has to be twice that of the best loss. Where a meter shows no flow, the
+    meter must have failed as well, and twice the evidence is needed.
 
     ``leak``: ``LEAK`` record; thrusters whose opening may have been hidden are marked. While a latch valve is
     moved, no other is suspected.
@@ -90,10 +91,12 @@ def suspect_leak(params, signals, residual, flow, leak, memory):
     most = LARGEST if leak.branch != NONE else max(params.onset, 2.0 * memory.evidence)
     for i in range(signals.vehicle.n_thrusters):
         b = signals.vehicle.branches.of[i]
-        if signals.healthy[i] != 0 and not is_read(signals.metered, b, flow):
+        if signals.healthy[i] != 0:
             found = onset_evidence(i, signals.effectiveness[i], residual)
             if found > HIDDEN and leak.unverified[i] == 0:
                 leak.unverified[i] = residual.taken
+            if is_read(signals.metered, b, flow):
+                found -= params.onset
             if found > most:
                 most = found
                 memory.thruster, memory.branch, memory.kind, memory.loss = i, NONE, STUCK_ON, 0.0
