@@ -112,6 +112,12 @@ class Results:
         """A numeric column, NaN where a case has no value, shape (n,)."""
         return numbers(self.table[name])
 
+    def nearest(self, figure: str, number: int) -> np.ndarray:
+        """Rows of the cases with the largest finite values of a figure, the largest first."""
+        values = self[figure]
+        finite = np.flatnonzero(np.isfinite(values))
+        return finite[np.argsort(-values[finite], kind="stable")][:number]
+
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
         """Dispersed quantities, shape (n, quantities), in the groups that the plan draws together."""

@@ -230,9 +230,7 @@ def worst(results: Results) -> Iterator[Block]:
     """Tabulate the cases nearest to each limit or beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, label, limit, unit in results.limits:
-        values = results[figure]
-        finite = np.flatnonzero(np.isfinite(values))
-        nearest = finite[np.argsort(-values[finite], kind="stable")][:_NEAREST]
+        values, nearest = results[figure], results.nearest(figure, _NEAREST)
         if len(nearest):
             share = float(values[nearest[0]]) / limit
             shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
