@@ -33,6 +33,11 @@ _NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_trac
 _OWN = ("camera/scale_bar",)
 _NOT_SITE = (*_FRAMES, "path", "markers", "labels", _BEAMS, *_OWN)
 _NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", _KEY, _BEAMS, *_OWN)
+#: Entities that are hidden where only places on the ground are shown.
+_FLYING = (
+    *("campaign/paths", "path", "trail", "drop_line", "ground_track", "ground/rings"),
+    *("markers/vehicle", "camera"),
+)
 
 
 class Layout:
@@ -353,7 +358,7 @@ class Layout:
         low, high = points.min(axis=0), points.max(axis=0)
         middle, height = 0.5 * (low + high), 1.5 * float((high - low)[:2].max()) + 1e3
         place = middle + [0.0, -0.02 * height, height]
-        hidden = (*_NOT_SITE, _KEY, "campaign/paths", "drop_line", "trail", "sky", "ground/rings")
+        hidden = (*_NOT_AFAR, *_FLYING)
         return self._view("Landing footprint", "/site", hidden, place, middle, ["target", "worst/**"])
 
     def _landing(self) -> rrb.Spatial3DView:

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 OUTCOMES = {
     "light blue": rgb(SKY),
     "vermilion": rgb(VERMILION),
-    "orange": rgb(ORANGE),
     "pink": rgb(PURPLE),
     "green": rgb(GREEN),
+    "orange": rgb(ORANGE),
     "grey": rgb(GREY),
 }
 #: Okabe and Ito's yellow, in which the worst cases are drawn; and the colour of the ellipse.
