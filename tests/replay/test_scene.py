@@ -84,6 +84,16 @@ def test_decoration_leaves_the_touchdown_alone_and_is_the_same_every_time(site):
     assert len(landscape.rocks().places) == 0, "the simulation knows no rock here, and no limit is checked"
 
 
+@pytest.mark.parametrize("name", ["tianwen1", "msl_landing", "titan_probe"])
+def test_decoration_puts_no_touchdown_into_a_pit(name):
+    """Waves and craters wider than the calm ground around the vehicle were higher than it by up to 43 m."""
+    site, turn = Site(load_scenario(name).scenario), np.linspace(0.0, 2.0 * np.pi, 90)
+    landscape = Landscape(site, np.zeros(3))
+    for radius in (40.0, 60.0, 100.0):
+        east, north = radius * np.cos(turn), radius * np.sin(turn)
+        assert abs(np.mean(landscape.height(east, north) - site.ground(east, north)[1])) < 4.0
+
+
 def test_the_mesh_of_the_ground_is_as_fine_along_a_spoke_as_across(site):
     """Otherwise waves and craters would be smeared; and far waves, which are coarse, are faint."""
     landscape = Landscape(site, np.zeros(3))

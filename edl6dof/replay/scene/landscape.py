@@ -79,7 +79,9 @@ class Landscape:
             self._decoration = np.where(inside, -_SUNK, 0.0)
         else:
             calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
-            self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
+            raised = ripples + self._craters()
+            raised -= raised[0].mean() * np.exp(-self._radius / _FADES)[:, None]  # or it would lie in a pit
+            self._decoration = calm**2 * (3.0 - 2.0 * calm) * raised
         self._elevation, self._place = self._laid()
         self._middle = float(site.ground(*self._centre)[1])
         self._shade = shade
