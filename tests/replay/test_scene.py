@@ -20,7 +20,7 @@ from edl6dof.fsw.control.phase_plane_zones import ZoneParams, target_rate
 from edl6dof.replay.charts import boundaries, squeeze
 from edl6dof.replay.scene import craft_shapes
 from edl6dof.replay.scene.craft_shapes import canopy
-from edl6dof.replay.scene.landscape import Landscape, dither, sky
+from edl6dof.replay.scene.landscape import RINGS, SHADE, SPOKES, Landscape, dither, grain, sky
 from edl6dof.replay.scene.outline import outline
 from edl6dof.replay.scene.poses import Site
 from edl6dof.replay.scene.tracks import Globe, planet
@@ -102,6 +102,17 @@ def test_the_mesh_of_the_ground_is_as_fine_along_a_spoke_as_across(site):
     colours = landscape.mesh().colours[:-2].reshape(len(radius), spokes, -1)[..., 0].astype(float)
     spread = [colours[(radius > low) & (radius < 2.0 * low)].std() for low in (100.0, 2e4)]
     assert spread[1] < 0.5 * spread[0]
+
+
+def test_the_grain_of_the_ground_grows_with_the_mesh_and_has_no_seam(site):
+    mesh, noise = Landscape(site, np.zeros(3)).mesh(), grain()
+    texture, places = noise["albedo_texture"].astype(float), noise["vertex_texcoords"]
+    assert len(places) == len(mesh.positions)
+    of_rings = places[:-2].reshape(RINGS, SPOKES, 2)
+    steps = np.abs(np.diff(of_rings, axis=1, append=of_rings[:, :1]))[..., 0]
+    assert np.allclose(steps, steps[0, 0]), "also from the last spoke to the first"
+    assert np.allclose(np.diff(of_rings[..., 1], axis=0), steps[0, 0]), "square grain on a square mesh"
+    assert abs(texture.mean() - SHADE) < 1.0 and 5.0 < texture.std() < 12.0
 
 
 def test_the_sky_has_no_bands():

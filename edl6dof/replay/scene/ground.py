@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
-from edl6dof.replay.scene.landscape import Landscape, dither, sky
+from edl6dof.replay.scene.landscape import SHADE, Landscape, dither, grain, sky
 from edl6dof.replay.scene.mesh import bright, disc, grid_triangles, rock, sphere
 from edl6dof.report.flight.common import circle
 from edl6dof.scenario.terrain_preview import planned_ellipse
@@ -51,9 +51,9 @@ class Ground(Recorder):
         self.static("site", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
         landscape = Landscape(motion.site, motion.last)
-        self.static("site/ground", self.mesh(landscape.mesh()))
+        self.static("site/ground", self.mesh(landscape.mesh(), **grain()))
         if (near := landscape.near()) is not None:
-            self.static("site/ground/near", self.mesh(near))
+            self.static("site/ground/near", self.mesh(near, albedo_factor=[SHADE] * 3))
         self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
         rings = [self._ring(landscape, r, motion.last) for r in radii]

@@ -47,8 +47,10 @@ _SUNK, _WITHIN, _EDGE = 1.5, 0.97, 0.4
 #: Least diameter (m) of rocks of a landing area that are drawn as such; smaller ones are bumps of the mesh.
 _SMALLEST_ROCK = 0.4
 
-#: Rows and columns of the sky, and width (texels) of the tile of noise on it.
+#: Rows and columns of the sky, and width (texels) of a tile of noise.
 _DOME, _TILE = (24, 48), 256
+#: Mean and standard deviation of the grain of the ground, of 255; spokes or rings of the mesh in a tile.
+SHADE, _GRAIN, _PER_TILE = 236, 9.0, 25.0
 
 
 class Rocks(NamedTuple):
@@ -240,6 +242,24 @@ def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
     colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
     return bright(place.reshape(-1, 3), grid_triangles(*_DOME)[:, ::-1], colours.reshape(-1, 3))
+
+
+def grain() -> dict[str, np.ndarray]:
+    """Return texture and coordinates of the vertices of :meth:`Landscape.mesh`: light and dark grain, which
+    grows with the distance from the touchdown like the mesh: it is neither seen as texels nor finer than the
+    pixels of a picture.
+    """
+    noise = np.fft.fft2(np.random.default_rng(0).normal(size=(_TILE, _TILE)))
+    waves = np.hypot(*np.meshgrid(np.fft.fftfreq(_TILE), np.fft.fftfreq(_TILE)))
+    soft = np.fft.ifft2(noise / (0.05 + waves)).real
+    texture = np.clip(SHADE + _GRAIN * soft / soft.std(), 0.0, 255.0).astype(np.uint8)
+    ring, spoke = np.indices((RINGS, SPOKES)).reshape(2, -1)
+    around = np.abs(spoke - SPOKES // 2)  # mirrored, or there would be a seam
+    places = np.append(np.column_stack([around, ring]), np.zeros((2, 2)), axis=0)
+    return {
+        "albedo_texture": np.repeat(texture[..., None], 3, axis=-1),
+        "vertex_texcoords": places / _PER_TILE,
+    }
 
 
 def dither() -> dict[str, np.ndarray]:
