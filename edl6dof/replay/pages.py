@@ -41,7 +41,7 @@ AROUND_NOW = {"Control": 60.0, NAVIGATION: 60.0, THRUSTERS: 5.0}
 #: Shares of a page's views from left to right; the plots are the last of them, or on page Thrusters below.
 SHARES = {
     "Flight": (9, 5, 10), "Entry": (5, 8), "Parachute": (11, 8), POWERED: (5, 8), "Control": (2, 5),
-    NAVIGATION: (4, 9), THRUSTERS: (1, 1), CAMPAIGN: (9, 10, 7),
+    NAVIGATION: (4, 9), THRUSTERS: (1, 1), CAMPAIGN: (8, 9, 8),
 }  # fmt: skip
 #: Lanes of every page.
 PHASE, VEHICLE, ENGINE = "Phase", "Vehicle", "Engine"

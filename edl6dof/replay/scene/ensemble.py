@@ -29,7 +29,7 @@ OUTCOMES = {
 WORST, ELLIPSE = (240, 228, 66), (255, 255, 255)
 #: Share of a normal cloud of landing points inside the ellipse, and the height (m) of what is drawn above the
 #: ground.
-SHARE, ABOVE_M = 0.99, 30.0
+SHARE, ABOVE_M = 0.99, 100.0
 
 
 class Trajectory(NamedTuple):

@@ -94,7 +94,7 @@ class Ground(Recorder):
 
     def _ring(self, landscape: Landscape, radius: float, centre: np.ndarray) -> np.ndarray:
         curve = np.column_stack(circle(centre[:2].tolist(), radius, 181))
-        return landscape.above(curve, 0.1 + 2e-3 * radius)
+        return landscape.above(curve, 0.1 + 5e-3 * radius)
 
     def _rocks(self, landscape: Landscape) -> None:
         places, sizes, headings = landscape.rocks()

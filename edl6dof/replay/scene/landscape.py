@@ -27,7 +27,7 @@ from edl6dof.replay.scene.mesh import (
 )
 from edl6dof.replay.scene.poses import Site
 
-RINGS, SPOKES = 500, 200
+RINGS, SPOKES = 300, 120
 #: Share of the way to the other side of the planet at which the last ring lies.
 _FAR = 0.97
 #: Arc (m) beyond which the ground has the colours of the globe, and the share of haze before that.
@@ -50,7 +50,7 @@ _SMALLEST_ROCK = 0.4
 #: Rows and columns of the sky, and width (texels) of a tile of noise.
 _DOME, _TILE = (24, 48), 256
 #: Mean and standard deviation of the grain of the ground, of 255; spokes or rings of the mesh in a tile.
-SHADE, _GRAIN, _PER_TILE = 236, 9.0, 25.0
+SHADE, _GRAIN, _PER_TILE = 236, 9.0, 18.0
 
 
 class Rocks(NamedTuple):
