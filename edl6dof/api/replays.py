@@ -208,12 +208,13 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
 def worst_cases(results: Results) -> list[Worst]:
     """Return the cases nearest to a limit or farthest beyond it, at most one for each limit."""
     found = []
-    for figure, label, limit, unit in results.limits:
+    for figure, limit in results.limits:
         for row in results.nearest(figure, 1).tolist():
-            value = float(results[figure][row])
-            shown, bound = (f"{significant(one)} {printed(unit)}".rstrip() for one in (value, limit))
-            found.append(Worst(int(results.cases[row]), label, shown, bound, value / limit))
-    return sorted(found, key=lambda one: -one.share)[:MOST_WORST]
+            value, unit = float(results[figure.name][row]), printed(figure.unit.label)
+            shown, bound = (f"{significant(one)} {unit}".rstrip() for one in (value, limit))
+            used = figure.used(value, limit)
+            found.append(Worst(int(results.cases[row]), figure.meaning, shown, bound, used))
+    return sorted(found, key=lambda one: -one.used)[:MOST_WORST]
 
 
 def trajectories(plan: Plan, cases: Collection[int]) -> list[Trajectory]:

@@ -45,6 +45,7 @@ class Layout:
 
     Attributes:
         labels, roots: name of each flight (empty if there is only one), and root entity of what it alone has.
+        plotted: names of the flights in legends of plots; empty for a single one among a campaign's.
         start, end, deploy: first and last place, and that of the parachute deployment if any, m in L.
         span, spans: first and last time (s) of the flights, and by page of each page that shows only a part.
         plots: the plots that have data, by key.
@@ -75,7 +76,8 @@ class Layout:
         self.spans = pages.spans_of(self.span, self.flight.when)
         self.plots = {plot.key: plot for plot in shown(self.flight)}
         every = {"Flight": self.span, **self.spans}
-        self.frames = frames(flights, every, self.labels)
+        self.plotted = self.labels if len(self.labels) > 1 else ("",)
+        self.frames = frames(flights, every, self.plotted)
         self.lanes = Lanes(self.flight, motion, recording).labels(every) if drawable else {}
         self.scales = scales(self.flight, motion) if len(motion.t) > 2 else ""
 
@@ -230,7 +232,7 @@ class Layout:
         before its legend.
         """
         rrb, near, fitted = self.rrb, pages.AROUND_NOW.get(page), self.frames.get((page, plot.key))
-        names = [name for label in self.labels for name in legend(plot, label)]
+        names = [name for label in self.plotted for name in legend(plot, label)]
         until = (1.0 - 2.0 * legend_share(page, count, names)[0] * (len(names) > 1)) * (near or 0.0)
         return rrb.TimeSeriesView(
             origin="/plots",

@@ -75,8 +75,15 @@ def write_replay(
         layout = Layout(flights, motions[0], recording, labels, ensemble)
         recording.save(str(path), default_blueprint=layout.blueprint(page, bare))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
+        plotted = labels if len(flights) > 1 else ()  # the curves of a single flight keep their own colours
         parts = [
-            part(flight, motion, recording, k, labels[k] if labels else "")
+            part(
+                flight,
+                motion,
+                recording,
+                k,
+                "".join((plotted if part is charts.Charts else labels)[k : k + 1]),
+            )
             for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
             if len(flight.t)
             for part in (OF_EACH if k else (*OF_FIRST, *OF_EACH))

@@ -163,8 +163,8 @@ def test_the_worst_cases_are_those_nearest_to_a_limit(campaign):
     loads = {row["case"]: row["peak_load_g0"] for row in rows}
     share = max(loads.values()) / limits.entry_load_g0
     (load,) = [one for one in found if one.figure == "peak load of the entry"]
-    assert (load.case, load.share) == (max(loads, key=loads.get), pytest.approx(share, rel=1e-12))
-    shares = [one.share for one in found]
+    assert (load.case, load.used) == (max(loads, key=loads.get), pytest.approx(share, rel=1e-12))
+    shares = [one.used for one in found]
     assert shares == sorted(shares, reverse=True) and len(found) <= replays.MOST_WORST
 
 

@@ -42,13 +42,13 @@ def test_a_campaign_is_a_layer_with_its_outcomes_footprint_and_worst_cases(fligh
     worst = [Worst(2, "distance from the landing site", "500 m", "400 m", 1.25)]
     ensemble = Ensemble(cases, worst, "case 3, the worst.")
     write_replay([history(flight)], tmp_path / "ensemble.rrd", ["case 3"], "Campaign", ensemble)
-    wanted = ["/site/campaign/**", "/site/labels/worst/**", "/campaign"]
+    wanted = ["/site/campaign/**", "/site/labels/worst/**", "/campaign", "/plots/velocity_m_s"]
     stored = {}
     for chunk in RrdReader(tmp_path / "ensemble.rrd").stream().filter(content=wanted).to_chunks():
         batch = chunk.to_record_batch()
-        stored[chunk.entity_path] = {
-            name: batch.column(name).to_pylist()[0] for name in batch.schema.names if ":" in name
-        }
+        stored.setdefault(chunk.entity_path, {}).update(
+            {name: batch.column(name).to_pylist()[0] for name in batch.schema.names if ":" in name}
+        )
 
     def colour(entity, of="LineStrips3D"):
         number = stored[entity][f"{of}:colors"][0]
@@ -72,6 +72,9 @@ def test_a_campaign_is_a_layer_with_its_outcomes_footprint_and_worst_cases(fligh
     off = curve - points[:, :2].mean(axis=0)
     inside = np.einsum("ni,ij,nj->n", off, np.linalg.inv(covariance), off)
     assert np.allclose(1.0 - np.exp(-0.5 * inside), 0.99, atol=1e-4)
+    assert stored["/plots/velocity_m_s"]["SeriesLines:names"] == ["down", "north", "east"], (
+        "as of a flight alone"
+    )
     told = stored["/campaign"]["TextDocument:text"][0]
     assert "3 of 5 succeed" in told and "Followed, in white: case 3, the worst." in told
     assert "| 1 | vermilion | crashed |" in told

@@ -44,13 +44,13 @@ class Trajectory(NamedTuple):
 
 
 class Worst(NamedTuple):
-    """The case with the largest value of a figure that has a limit; value and limit as text; their ratio."""
+    """The case with the worst value of a figure that has a limit; both as text; used share of the limit."""
 
     case: int
     figure: str
     value: str
     limit: str
-    share: float
+    used: float
 
 
 class Ensemble(NamedTuple):
@@ -135,6 +135,6 @@ def _legend(ensemble: Ensemble, causes: Sequence[str]) -> Iterator[str]:
     yield f"contains {SHARE:.0%} of a normal distribution with their mean and covariance.\n"
     if ensemble.worst:
         yield "In yellow, the cases nearest to a limit or beyond it (`--case K` follows case K):\n"
-        yield "| case | figure | value | limit | of it |\n|--:|:--|--:|--:|--:|"
+        yield "| case | figure | value | limit | used |\n|--:|:--|--:|--:|--:|"
     for one in ensemble.worst:
-        yield f"| {one.case} | {one.figure} | {one.value} | {one.limit} | {one.share:.0%} |"
+        yield f"| {one.case} | {one.figure} | {one.value} | {one.limit} | {one.used:.0%} |"
