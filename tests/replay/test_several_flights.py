@@ -78,4 +78,4 @@ def test_a_campaign_is_a_layer_with_its_outcomes_footprint_and_worst_cases(fligh
     told = stored["/campaign"]["TextDocument:text"][0]
     assert "3 of 5 succeed" in told and "Followed, in white: case 3, the worst." in told
     assert "| 1 | vermilion | crashed |" in told
-    assert "| 2 | distance from the landing site | 500 m | 400 m | 125% |" in told
+    assert "| 2 | 125% | 500 m | 400 m | distance from the landing site |" in told

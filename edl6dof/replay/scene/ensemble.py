@@ -135,6 +135,6 @@ def _legend(ensemble: Ensemble, causes: Sequence[str]) -> Iterator[str]:
     yield f"contains {SHARE:.0%} of a normal distribution with their mean and covariance.\n"
     if ensemble.worst:
         yield "In yellow, the cases nearest to a limit or beyond it (`--case K` follows case K):\n"
-        yield "| case | figure | value | limit | used |\n|--:|:--|--:|--:|--:|"
+        yield "| case | used | value | limit | figure |\n|--:|--:|--:|--:|:--|"
     for one in ensemble.worst:
-        yield f"| {one.case} | {one.figure} | {one.value} | {one.limit} | {one.used:.0%} |"
+        yield f"| {one.case} | {one.used:.0%} | {one.value} | {one.limit} | {one.figure} |"
