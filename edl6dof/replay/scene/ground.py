@@ -54,7 +54,7 @@ class Ground(Recorder):
         self.static("site/ground", self.mesh(landscape.mesh(), **grain()))
         if (near := landscape.near()) is not None:
             self.static("site/ground/near", self.mesh(near, albedo_factor=[SHADE] * 3))
-        self._rocks(landscape)
+            self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
         rings = [self._ring(landscape, r, motion.last) for r in radii]
         self.lines("site/ground/rings", rings, [120, 72, 48], 0.5)
