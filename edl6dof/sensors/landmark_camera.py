@@ -132,6 +132,9 @@ def measure(params, unit, case, tables, plant, outputs, memory, sensed):
     """Deliver the matches of the last image when they are due, and take the next image."""
     landmarks = sensed.landmarks
     landmarks.shutter = landmarks.fresh = 0
+    if plant.instruments.landmarks_lost != 0:
+        memory.under_way = 0
+        return
     if memory.under_way != 0:
         if plant.t < memory.due_t - _EARLY:
             return

@@ -167,5 +167,5 @@ def instrument_names(params: SensorParams, branches: Sequence[str]) -> dict[Comp
         names["star_tracker"] = [one.name for one in params.star_tracker.heads]
     if "flow_meters" in params.flown:
         names["flow_meter"] = list(branches)
-    names |= {name: [name] for name in IMAGERS if name in params.flown}
+    names |= {name: [name] for name in (*IMAGERS, "landmark_camera") if name in params.flown}
     return names

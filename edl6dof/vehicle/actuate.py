@@ -100,6 +100,7 @@ def clear_effects(plant):
     clear_readings(instruments.flow)
     clear_readings(instruments.stars)
     instruments.camera_lost = instruments.lidar_lost = instruments.stereo_lost = instruments.mirror_stuck = 0
+    instruments.landmarks_lost = 0
 
 
 @kernel

@@ -55,6 +55,7 @@ INSTRUMENT_FAULTS = record(
     ("camera_lost", FLAG),
     ("lidar_lost", FLAG),
     ("stereo_lost", FLAG),
+    ("landmarks_lost", FLAG),
     ("mirror_stuck", FLAG),  # that of the lidar, which turns the fan of rays from row to row
 )
 

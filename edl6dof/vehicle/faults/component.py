@@ -30,12 +30,13 @@ Component = Literal[
     "landing_camera",
     "lidar",
     "stereo",
+    "landmark_camera",
 ]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 #: Kinds of component that measure.
 INSTRUMENTS: tuple[Component, ...] = (
     *("gyro", "accelerometer", "inertial_unit", "beam", "radar", "star_tracker"),
-    *("flow_meter", "landing_camera", "lidar", "stereo"),
+    *("flow_meter", "landing_camera", "lidar", "stereo", "landmark_camera"),
 )
 #: Names of the components of each kind, in the order of their indices; kinds left out have none.
 Components = Mapping[Component, Sequence[str]]

@@ -18,7 +18,7 @@ from edl6dof.vehicle.plant import FALSE_LOCK, HARDOVER, OUTAGE, SATURATED, STUCK
 
 GYRO, ACCELEROMETER, FLOW_METER = map(COMPONENTS.index, ("gyro", "accelerometer", "flow_meter"))
 RADAR, STAR_TRACKER = map(COMPONENTS.index, ("radar", "star_tracker"))
-CAMERA, LIDAR = map(COMPONENTS.index, ("landing_camera", "lidar"))
+CAMERA, LIDAR, STEREO = map(COMPONENTS.index, ("landing_camera", "lidar", "stereo"))
 
 
 class ReadingFault(ComponentFault):
@@ -136,7 +136,7 @@ class FalseLockParams(ComponentFault):
 class ImagesLostParams(ComponentFault):
     """The imager makes no images any more; a scan in progress ends."""
 
-    components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo")
+    components: ClassVar[tuple[Component, ...]] = ("landing_camera", "lidar", "stereo", "landmark_camera")
 
 
 class MirrorStuckParams(ComponentFault):
@@ -261,8 +261,10 @@ def images_lost(fault, case, since, command, plant):
         plant.instruments.camera_lost = 1
     elif fault.of == LIDAR:
         plant.instruments.lidar_lost = 1
-    else:
+    elif fault.of == STEREO:
         plant.instruments.stereo_lost = 1
+    else:
+        plant.instruments.landmarks_lost = 1
 
 
 @kernel
