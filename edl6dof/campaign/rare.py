@@ -97,9 +97,7 @@ class Request:
 
     def margins(self, rows: list[Row]) -> np.ndarray:
         """Margin of each flight, in the unit of the figure, shape (flights,)."""
-        values = np.array(list(map(self.value, rows)))
-        margins = self.requirement.sign * (self.requirement.limit - values)
-        return np.where(np.isnan(values), -np.inf, margins)
+        return self.requirement.margins(np.array(list(map(self.value, rows))))
 
 
 @dataclass(frozen=True, repr=False)
