@@ -210,14 +210,15 @@ class RecordedFlight(FlightResults):
         self.time_s, self.phase = summary["time_s"], summary["phase"]
         self.events: Sequence[Mapping] = self.telemetry.events
         self.figures: Figures[float | None] = Figures(summary["figures"])
-        names = {figure.meaning: figure.name for figure in LIMITS}
+        limited = {figure.meaning: figure for figure in LIMITS}
         self.checks = [
             Check(
-                names.get(limit["name"], ""),
+                limited[limit["name"]].name if limit["name"] in limited else "",
                 limit["name"],
                 math.nan if limit["value"] is None else limit["value"],
                 limit["limit"],
                 limit["unit"],
+                limit["least"],
             )
             for limit in summary["limits"]
         ]

@@ -79,7 +79,10 @@ def limits_as_requirements(limits: Mapping[str, Any]) -> list[Requirement]:
     """Return each of the ``limits`` of a scenario, by key, as a requirement named by its figure."""
     given = [(figure, limits.get(str(figure.limit))) for figure in LIMITS]
     return [
-        Requirement(id=one.name, text=one.meaning, figure=one.name, at_most=float(limit), share=SHARE)
+        Requirement.model_validate(
+            {"id": one.name, "text": one.meaning, "figure": one.name, "share": SHARE}
+            | {"at_least" if one.clearance else "at_most": float(limit)}
+        )
         for one, limit in given
         if limit is not None
     ]

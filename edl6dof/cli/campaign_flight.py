@@ -127,24 +127,25 @@ def limits_table(results: Results) -> Table:
     bounds = " (bounds at 95 %)" if results.is_sample else ""
     heads = [f"{head(share)}{bounds}>" for share in shares]
     table = open_table("Limits", "figure", "unit", *heads, "limit>", "missed>")
-    for figure, label, limit, unit in results.limits:
-        values = results[figure]
-        cells = [in_words(results, values, share) for share in shares]
-        table.add_row(label, unit, *cells, significant(limit), str(int((values > limit).sum())))
+    for figure, limit in results.limits:
+        values = results[figure.name]
+        cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
+        missed = str(int(figure.violates(values, limit).sum()))
+        table.add_row(figure.meaning, figure.unit.label, *cells, significant(limit), missed)
     return table
 
 
 def figures(results: Results) -> dict[str, Any]:
     """Every figure with a limit, for JSON: quantiles with 95 % bounds, or how many flights they need."""
     found = {}
-    for figure, label, limit, unit in results.limits:
-        values = results[figure]
+    for figure, limit in results.limits:
+        values = results[figure.name]
         known = {share: quantile(values, share) for share in SHARES if results.is_sample}
-        found[figure] = {
-            "meaning": label,
-            "unit": unit,
+        found[figure.name] = {
+            "meaning": figure.meaning,
+            "unit": figure.unit.label,
             "limit": limit,
-            "missed": int((values > limit).sum()),
+            "missed": int(figure.violates(values, limit).sum()),
             "quantiles": [asdict(one) for one in known.values() if one is not None],
             "flights_needed": {f"{share:g}": flights_needed(share) for share in known if not known[share]},
         }

@@ -62,18 +62,27 @@ class Figures(Named[Number]):
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: figure by name and in words, value of this flight and largest allowed value, in ``unit``."""
+    """One limit: figure by name and in words, value of this flight and allowed value, in ``unit``.
+
+    ``least``: the allowed value is the smallest one; otherwise the largest.
+    """
 
     figure: str
     label: str
     value: float
     limit: float
     unit: str
+    least: bool = False
 
     @property
     def ok(self) -> bool:
         """True if the value is within the limit; NaN is not."""
-        return bool(self.value <= self.limit)
+        return bool(self.value >= self.limit if self.least else self.value <= self.limit)
+
+    @property
+    def allowed(self) -> str:
+        """Sign of the comparison with the limit."""
+        return ">=" if self.least else "<="
 
     @property
     def of_balance(self) -> bool:
@@ -93,7 +102,7 @@ def checks(limits: Any, figures: dict[str, float]) -> list[Check]:
     bounds = [(figure, getattr(limits, figure.limit)) for figure in LIMITS]
     bounds += [(figure, figure.allowed) for figure in BALANCES]
     found = [
-        Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label)
+        Check(figure.name, figure.meaning, figures[figure.name], bound, figure.unit.label, figure.clearance)
         for figure, bound in bounds
         if figure.name in figures and bound is not None
     ]

@@ -196,7 +196,8 @@ class FigureOfMerit(NamedTuple):
             first ground contact; ``footing``: rough ground under the landed vehicle; ``diagnosis``: fault
             isolation; ``exclusions``: instruments out of use; ``balance``: change of the state compared with
             the sum of its causes.
-        limit: parameter of the scenario's ``limits`` that is its upper bound; empty for none.
+        limit: parameter of the scenario's ``limits`` that is its upper bound, or the lower bound of a
+            clearance; empty for none.
         allowed: upper bound in every scenario, for a figure that tests the simulator and not the mission.
         form: function that computes it from a :class:`Flown`, if telemetry and events suffice.
         clearance: True if the smallest value is the worst; otherwise the value of largest magnitude is.
@@ -214,6 +215,18 @@ class FigureOfMerit(NamedTuple):
     def unit(self) -> Unit:
         """Unit of the name's suffix."""
         return split_unit(self.name)[1]
+
+    def violates(self, values: np.ndarray, limit: float) -> np.ndarray:
+        """Return where ``values`` are beyond the limit, shape (n,), bool; NaN is not."""
+        return values < limit if self.clearance else values > limit
+
+    def used(self, value: float, limit: float) -> float:
+        """Return the share of the limit that a value uses: above 1, the limit is violated."""
+        return limit / max(value, 1e-9) if self.clearance else value / limit
+
+    def toward_limit(self, share: float) -> float:
+        """Return the quantile that a ``share`` of all flights is at, or farther from the limit than."""
+        return 1.0 - share if self.clearance else share
 
 
 def _axes(channel: str, axes: str = "x y z") -> tuple[str, ...]:
@@ -287,7 +300,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("min_backshell_distance_m", "least distance from the backshell", "telemetry",
        form=over(_SEPARATED, "nearest", _place("site"), _place("backshell")), clearance=True),
     _F("min_drift_distance_m", "least distance from backshell and canopy once they have parted", "telemetry",
-       clearance=True),
+       limit="backshell_distance_m", clearance=True),
     _F("min_overhead_m", "least horizontal distance of parts above the lander, from hover on", "telemetry",
        clearance=True),
     _F("coarse_parts", "parts into which the landing image was divided", "telemetry"),

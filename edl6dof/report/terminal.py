@@ -157,7 +157,7 @@ def limits_table(title: str, checks: Sequence[Check]) -> Table:
     for check in checks:
         mark = Text(LIMIT_STATUS[check.ok], style="green" if check.ok else "bold red")
         value, limit = aligned_pair(check.value, check.limit, check.ok)
-        table.add_row(check.label, check.unit, value, f"<= {limit}", mark)
+        table.add_row(check.label, check.unit, value, f"{check.allowed} {limit}", mark)
     return table
 
 

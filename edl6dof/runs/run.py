@@ -52,6 +52,7 @@ class Limit(TypedDict):
     value: float | None
     limit: float
     unit: str
+    least: bool
     ok: bool
 
 
@@ -303,7 +304,14 @@ def summary(flight: Flight) -> dict[str, Any]:
         "warnings": flight.loaded.warnings,
         "figures": flight.figures,
         "limits": [
-            {"name": c.label, "value": c.value, "limit": c.limit, "unit": c.unit, "ok": c.ok}
+            {
+                "name": c.label,
+                "value": c.value,
+                "limit": c.limit,
+                "unit": c.unit,
+                "least": c.least,
+                "ok": c.ok,
+            }
             for c in flight.checks
         ],
         "published": {

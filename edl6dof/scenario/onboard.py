@@ -123,8 +123,8 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
         record["star_until"] = event_number(scenario.mission, sensors.star_tracker.until)
     if "ground_tracking" in sensors.flown:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
-        record["tracking_position_sigma"] = np.sqrt(product(np.square(ground["position"]), np.square(axes)))
-        record["tracking_velocity_sigma"] = np.sqrt(product(np.square(ground["velocity"]), np.square(axes)))
+        for name in ("position", "velocity"):
+            record[f"tracking_{name}"] = product(axes.T * np.square(ground[name]), axes)
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
     if "landing_camera" in sensors.flown:

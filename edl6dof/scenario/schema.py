@@ -83,6 +83,9 @@ class LimitParams(Params):
     parachute_total_alpha_deg: float | None = _limit("total angle of attack at mortar fire")
     backshell_speed_m_s: float | None = _limit("speed at backshell separation")
     backshell_height_m: float | None = _limit("height above ground at backshell separation")
+    backshell_distance_m: float | None = _limit(
+        "distance from backshell and canopy after their separation (least allowed value)"
+    )
     skip_out_m: float = param(
         5000.0,
         "height above the initial altitude at which a flight that should land has skipped out",

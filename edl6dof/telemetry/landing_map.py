@@ -34,7 +34,7 @@ class LandingMap(NamedTuple):
     drift_m: np.ndarray  # predicted path of backshell and canopy: east, north, height (m), shape (p, 3)
     coarse_m: np.ndarray  # target of each part of the landing image, shape (parts, 2)
     coarse_obstacles: np.ndarray  # share of obstacles in each part, shape (parts,)
-    coarse_part: np.ndarray  # index of the part that was taken, shape ()
+    coarse_part: np.ndarray  # index of the part that was taken, shape (); -1: none
 
     def reasons(self) -> list[str]:
         """Reason why each rejected spot was passed over: ``edge``, ``slope`` or ``rock``."""
@@ -68,5 +68,5 @@ def landing_map(fsw: np.void) -> LandingMap | None:
         drift_m=drift["place_L"][: drift["count"]].copy(),
         coarse_m=coarse["target_L"][: coarse["parts"]].copy(),
         coarse_obstacles=coarse["obstacles"][: coarse["parts"]].copy(),
-        coarse_part=np.array(int(coarse["part"])),
+        coarse_part=np.array(int(coarse["part"]) if np.isfinite(hazard["image_t"]) else -1),
     )

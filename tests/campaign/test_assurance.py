@@ -13,6 +13,7 @@ from scipy import stats
 import edl6dof as package
 from edl6dof.campaign.assurance import Requirement, flights_to_verify, judge, share_bounds
 from edl6dof.campaign.design.sampling import unit_numbers
+from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
 
 LIMITS = "limits: {entry_dynamic_pressure_pa: 900.0, entry_load_g0: 15.0}\n"
@@ -105,7 +106,7 @@ def test_a_failure_that_no_limit_explains_is_one_of_every_requirement():
 
     class Landings(dict):
         ok = np.array([True, False, False, False, False])
-        limits = [("peak_load_g0", "load", 15.0, "g"), ("touchdown_tilt_deg", "tilt", 4.0, "deg")]
+        limits = [(figure_of_merit("peak_load_g0"), 15.0), (figure_of_merit("touchdown_tilt_deg"), 4.0)]
 
     landings = Landings(columns)
     assert Results.failed.func(landings).tolist() == [False, False, True, True, True]

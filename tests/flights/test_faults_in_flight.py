@@ -160,6 +160,7 @@ def test_diagnosis_rests_on_the_ground():
         assert simulation.step()
     fsw, cycles = simulation.running.fsw[0], 0
     before = fsw["command"]["latch_closed"].tolist()
+    simulation.step(cycles=10)  # pulses of the descent end
     while simulation.step():
         cycles += 1
         assert fsw["command"]["latch_closed"].tolist() == before

@@ -29,10 +29,13 @@ def test_entry_ends_at_the_parachute_within_limits_near_the_aim_point(flight):
     assert flight.figures["parachute_miss_m"] < 4000.0
 
 
-def test_deployment_is_where_and_when_it_was(flight):
-    """259.1 s after entry interface (Karlgaard et al. 2014), about 11 km up (prediction of NASA's)."""
-    assert flight.figures["parachute_s"] == pytest.approx(259.12, abs=7.0)
-    assert flight.figures["parachute_height_m"] == pytest.approx(11000.0, abs=700.0)
+def test_deployment_is_where_and_when_it_was():
+    """259.1 s after entry interface (Karlgaard et al. 2014), about 11 km up (prediction of NASA's). Mean
+    over the errors of tracking and instruments, which move one flight by 1.2 s.
+    """
+    figures = [edl6dof.fly("msl", [f"seed={seed}"]).figures for seed in range(1, 11)]
+    assert np.mean([one["parachute_s"] for one in figures]) == pytest.approx(259.12, abs=7.0)
+    assert np.mean([one["parachute_height_m"] for one in figures]) == pytest.approx(11000.0, abs=700.0)
 
 
 def test_range_control_reverses_three_times_and_leaves_the_rest_to_heading_alignment(flight):

@@ -2,6 +2,7 @@
 star trackers.
 """
 
+import numpy as np
 import pytest
 
 import edl6dof
@@ -32,11 +33,17 @@ def test_of_two_radars_the_biased_beam_is_excluded_and_the_landing_does_not_feel
 
 @pytest.mark.parametrize("beam, speed", [("b1", 0.45), ("b2", 0.6), ("b4", 0.8)])
 def test_of_one_radar_with_four_beams_no_healthy_beam_is_excluded(beam, speed):
-    """Any of them may be the wrong one; least squares lets the velocity err by 1.21 times the bias."""
+    """Any of them may be wrong; least squares lets the velocity err by 1.21 times the bias.  The look in
+    which one beam seems worse than the others is followed for a while, so the error varies around that.
+    """
     fault = f"kind: reading_bias, beam: {beam}, reading_bias: {{range_m: 0, speed_m_s: {speed}}}"
     flight, excluded = flown(fault, ONE_RADAR)
     assert excluded <= {beam}
-    assert flight.figures["touchdown_nav_velocity_m_s"] < 1.21 * speed + 0.1
+    assert flight.figures["touchdown_nav_velocity_m_s"] < 1.5 * speed
+    t, table = flight.telemetry["t_s"], flight.telemetry
+    errors = np.array([table[f"nav.error_v_{axis}_m_s"] for axis in ("north", "east", "down")])
+    last = (t > flight.figures["touchdown_s"] - 40.0) & (t < flight.figures["touchdown_s"])
+    assert np.sqrt((errors[:, last] ** 2).sum(axis=0)).mean() == pytest.approx(1.21 * speed, rel=0.2)
 
 
 def test_a_dead_radar_is_excluded_and_the_other_lands_the_vehicle():

@@ -57,7 +57,7 @@ def test_a_beam_that_is_locked_on_something_else_is_found_over_hills():
     relief = "hurst: 0.95, rms_slope_deg: 8, slope_baseline_m: 100, crater_density_per_km2: 0"
     hills = f"terrain.landing_area={{model: generated, {relief}}}"
     flight = edl6dof.fly("tianwen1", [hills, "seed=3", FAULT])
-    assert excluded(flight) == ["b2"] and flight.landed
+    assert set(excluded(flight)) == {"b2"} and flight.landed
 
 
 def test_one_echo_alone_does_not_carry_the_height_of_the_ground_along_the_way():

@@ -9,13 +9,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.campaign import drivers, footprint, margins
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import Table, Text, aligned
 from edl6dof.report.figure import Figure
 from edl6dof.report.flight import landing
 
-LIMITS = [("parachute_mach", "Mach at mortar fire", 2.1, "")]
+LIMITS = [(figure_of_merit("parachute_mach"), 2.1)]
 
 
 def results(flights: int, **columns: np.ndarray) -> Results:
@@ -75,11 +76,23 @@ def test_a_grid_is_no_sample():
 
 def test_units_and_shares_are_printed_as_in_the_report_of_a_flight():
     known = results(100, peak_heat_flux_w_cm2=np.linspace(30.0, 35.0, 100))
-    known.limits = [("peak_heat_flux_w_cm2", "peak heat flux", 70.0, "W/cm2")]
+    known.limits = [(figure_of_merit("peak_heat_flux_w_cm2"), 70.0)]
     for blocks in (margins.limits(known), margins.worst(known)):
         assert next(block for block in blocks if isinstance(block, Table)).rows[0][1] == "W/cm²"
     table = next(block for block in margins.limits(known) if isinstance(block, Table))
     assert table.rows[0][-2].text == "50 %"
+
+
+def test_clearance_is_judged_by_its_smallest_values():
+    """From 90 to 130 m in 1,000 flights: one of 100 is below 90.4 m, and 60 m leave a third unused."""
+    known = results(1000, min_drift_distance_m=np.linspace(90.0, 130.0, 1000))
+    known.limits = [(figure_of_merit("min_drift_distance_m"), 60.0)]
+    table = next(block for block in margins.limits(known) if isinstance(block, Table))
+    assert table.rows[0][3].startswith("90.4") and table.rows[0][-1] == "0"
+    assert table.rows[0][-2].text == "67 %"
+    known.limits = [(figure_of_merit("min_drift_distance_m"), 91.0)]
+    worst = next(block for block in margins.worst(known) if isinstance(block, Table)).rows[0]
+    assert worst[2].mood == "bad" and worst[4].startswith("0, 1")
 
 
 @pytest.mark.parametrize("goal, name", [("time", "landing site"), ("landing", "target")])

@@ -80,5 +80,15 @@ def test_coarse_choice_takes_a_part_of_the_image(seen, drawn):
     assert (taken.x[0], taken.y[0]) in set(zip(parts.x.tolist(), parts.y.tolist(), strict=True))
 
 
+def test_coarse_choice_without_a_part_says_so(seen):
+    found = seen.landing_map._replace(coarse_part=np.array(-1))
+    figure = landing.coarse_choice(seen, found)
+    assert len(named(figure.panels[0])["part taken"].x) == 0
+    assert (
+        "None was" in figure.caption
+        and "None was" not in landing.coarse_choice(seen, seen.landing_map).caption
+    )
+
+
 def test_flight_without_a_scan_has_no_such_page(run):
     assert "hazards" not in {section.key for section in flight_report(run).sections}

@@ -4,13 +4,14 @@ and canopy.
 Rule of Tianwen-1, claim 1 of Chinese patent CN108594802B: where the angle of the velocity to the vertical
 lies within a preset range, the image is halved along the velocity, else quartered about its centre; the part
 with the fewest obstacles is chosen, and the thrust turned towards it. Cells that show no ground count as
-obstacles. The distance of the target, and the rule on the drift of backshell and canopy, are estimates.
+obstacles. Where no part has a target away from the drift, the plain rule of powered guidance sets the target.
+The distance of the target, and the rule on the drift of backshell and canopy, are estimates.
 
 Backshell and canopy fall, once released, as a point mass with drag through the believed air. At the height of
 the release, the wind is taken from the velocity of the vehicle under its parachute over several swings, as a
 single swing is metres per second off. It is unknown how much of the difference between this wind and the
 expected one persists below, since a gust extends over some hundred metres: one path assumes all of it, one
-half and one none.
+half and one none. The region in which backshell and canopy are expected grows around each path with time.
 """
 
 from __future__ import annotations
@@ -110,9 +111,9 @@ def predict_drift(atmosphere, drifter, carried, lasting, nav, out):
 
 
 @kernel
-def distance_from_drifts(drifts, east, north):
-    """Least horizontal distance (m) of a place (m east, north of the site) from the paths; 1e9 without a
-    path.
+def distance_from_drifts(drifts, spread, east, north):
+    """Least horizontal distance (m) of a place (m east, north of the site) from discs around the points of
+    the paths, whose radius is ``spread`` (m/s) times the time since the release; 1e9 without a path.
     """
     least = 1e9
     for path in range(len(LASTING)):
@@ -123,7 +124,7 @@ def distance_from_drifts(drifts, east, north):
             along = e1 * (east - e0) + n1 * (north - n0)
             share = min(max(along / max(e1 * e1 + n1 * n1, 1e-12), 0.0), 1.0)
             off_e, off_n = east - e0 - share * e1, north - n0 - share * n1
-            least = min(least, sqrt(off_e * off_e + off_n * off_n))
+            least = min(least, sqrt(off_e * off_e + off_n * off_n) - spread * k)
     return least
 
 
@@ -157,8 +158,13 @@ class CoarseParams(Params):
         le=60.0,
     )
     keep_clear_m: float = param(
-        150.0, "least distance of the target from the drift of the backshell", status="estimate", ge=0.0
+        100.0, "least distance of the target from where the backshell may be", status="estimate", ge=0.0
     )
+    spread_m_s: float = param(
+        3.2,
+        "growth of the radius around the predicted path in which the backshell may be: 1.5 sigma",
+        status="derived", source="errors of predicted paths, tools/separation.py", ge=0.0,
+    )  # fmt: skip
     wind_time_s: float = param(
         10.0, "time over which drift under the canopy is taken for wind", status="estimate", gt=0.1, le=100.0
     )
@@ -169,7 +175,7 @@ COARSE = record(
     ("part", whole(0, MAX_PARTS_OF_IMAGE - 1)),  # chosen part
     ("obstacles", "f8", (MAX_PARTS_OF_IMAGE,)),  # share of obstacles and unseen cells in each part
     ("target_L", "f8", (MAX_PARTS_OF_IMAGE, 2)),  # m: east, north of the landing site, of each part
-    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: distance of each target from the drift paths
+    ("clear", "f8", (MAX_PARTS_OF_IMAGE,)),  # m: distance of each target from where the backshell may be
     ("drift", DRIFT, (len(LASTING),)),
 )
 
@@ -233,8 +239,7 @@ def lay_targets(p, nav, along, across, out):
 
 @kernel
 def choose_part(p, camera, nav, out):
-    """Choose the part of fewest obstacles whose target is away from the drift; where none is, the one with
-    the largest distance. Returns its target, east and north of the landing site (m).
+    """Choose the part of fewest obstacles whose target is away from the drift. Returns True if there is one.
 
     Args:
         p: coarse parameters.
@@ -254,12 +259,12 @@ def choose_part(p, camera, nav, out):
     out.parts = 2 if p.halved_from <= slant <= p.halved_to and along * along + across * across > 0.0 else 4
     count_obstacles(camera, out.parts, along, across, out)
     lay_targets(p, nav, along, across, out)
-    out.part, best = 0, (2, 0.0)
+    found = False
     for part in range(out.parts):
         target = out.target_L[part]
-        out.clear[part] = distance_from_drifts(out.drift, target[0], target[1])
-        keeps = out.clear[part] >= p.keep_clear
-        mark = (0, out.obstacles[part]) if keeps else (1, -out.clear[part])
-        if mark[0] < best[0] or (mark[0] == best[0] and mark[1] < best[1]):
-            out.part, best = part, mark
-    return out.target_L[out.part, 0], out.target_L[out.part, 1]
+        out.clear[part] = distance_from_drifts(out.drift, p.spread, target[0], target[1])
+        if out.clear[part] < p.keep_clear:
+            continue
+        if not found or out.obstacles[part] < out.obstacles[out.part]:
+            out.part, found = part, True
+    return found

@@ -157,9 +157,13 @@ def look_ahead(onboard, sensed, nav, memory, point, command):
         drift = memory.coarse.drift
         predict_drifts(onboard.atmosphere, onboard.drifter, memory.carried_N, nav, drift)
     elif sensed.camera.fresh != 0:
-        target = choose_part(onboard.hazard.coarse, sensed.camera, nav, memory.coarse)
-        point.coarse_L[0], point.coarse_L[1] = target
-        point.coarse_known, memory.image_t = 1, nav.t
+        coarse = memory.coarse
+        if choose_part(onboard.hazard.coarse, sensed.camera, nav, coarse):
+            point.coarse_L[0], point.coarse_L[1] = (
+                coarse.target_L[coarse.part, 0],
+                coarse.target_L[coarse.part, 1],
+            )
+            point.coarse_known, memory.image_t = 1, nav.t
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 At the start of powered descent, the lander chooses the site nearest to the point to which coarse avoidance
 would divert without an image: ahead with its drift, and aside against it, away from backshell and canopy. A
-site nearer to their predicted paths than ``keep_clear_m`` is chosen only if all others are nearer still. The
+site nearer than ``keep_clear_m`` to where these may be is chosen only if all others are nearer still. The
 site has coordinates of the map, so the error of the landing is that of navigation relative to the map, and of
 control. The sites form a square lattice about the landing site; a real map has a list.
 
@@ -54,7 +54,7 @@ def choose_site(params, coarse, nav, drift):
     for a in range(_ROWS):
         for b in range(_ROWS):
             east, north = (left + b) * params.spacing, (first + a) * params.spacing
-            clear = distance_from_drifts(drift, east, north)
+            clear = distance_from_drifts(drift, coarse.spread, east, north)
             off = sqrt((east - wanted_e) ** 2 + (north - wanted_n) ** 2)
             mark = (0, off) if clear >= coarse.keep_clear else (1, -clear)
             if mark[0] < best[0] or (mark[0] == best[0] and mark[1] < best[1]):

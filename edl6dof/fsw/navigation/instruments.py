@@ -36,8 +36,8 @@ INSTRUMENTS = record(
     ("star_rate", "f8"),  # rad/s: largest rate at which it sees stars
     ("star_until", "i8"),  # number of the event, from one, after which it sees no stars; zero: none
     # ground tracking
-    ("tracking_position_sigma", "f8", (3,)),  # m, I: of the state sent up, about each axis
-    ("tracking_velocity_sigma", "f8", (3,)),  # m/s, I: of the state sent up, about each axis
+    ("tracking_position", "f8", (3, 3)),  # m2, I: covariance of the state sent up
+    ("tracking_velocity", "f8", (3, 3)),  # m2/s2, I
     # radar
     ("antenna_position", "f8", (3,)),  # m, B
     ("beam_axis", "f8", (MAX_BEAMS, 3)),  # B: unit vectors towards the ground

@@ -127,7 +127,16 @@ def central_gravity(planet, r_I):
 @kernel
 def attitude_at(solution, motion, t):
     """Attitude extrapolated from the last inertial reading to flight time ``t``."""
-    half = 0.5 * (t - solution.t)
-    w = take3(motion.rate, 0)
-    q = take4(solution.q_I2B)
-    return normalise(multiply(q, (1.0, half * w[0], half * w[1], half * w[2])))
+    return turn_by(take4(solution.q_I2B), turn_ahead(motion, t - solution.t))
+
+
+@kernel
+def turn_ahead(motion, age):
+    """Rotation (rad, B) in the ``age`` (s) since the last reading, from the rotations of the last two cycles:
+    the rate changes as between them.  While no gyro measures, the rate is constant.
+    """
+    if motion.rate_known == 0 or motion.dt <= 0.0:
+        return scale(age, take3(motion.rate, 0))
+    share = age / motion.dt
+    angle, last = take3(motion.angle, 0), take3(motion.last_angle, 0)
+    return add(scale(share, angle), scale(0.5 * share * (1.0 + share), sub(angle, last)))

@@ -16,7 +16,7 @@ from edl6dof.fsw.navigation.landmark_fix import LANDMARK_FIXES, note_exposure, r
 from edl6dof.fsw.navigation.recovery import RECOVERY, recover
 from edl6dof.fsw.navigation.solution import ESTIMATE, INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.fsw.navigation.star_fixes import STAR_WATCH, read_stars
-from edl6dof.fsw.navigation.strapdown import align, gravity_I, integrate, turn_by
+from edl6dof.fsw.navigation.strapdown import align, attitude_at, gravity_I, integrate
 from edl6dof.kernels import kernel
 from edl6dof.records import record
 from edl6dof.spatial.quaternion import from_frame
@@ -150,8 +150,7 @@ def extrapolate(planet, motion, solution, estimate):
     r = add(r, scale(age, add(v, scale(0.5, gained))))
     put3(estimate.r_I, 0, r)
     put3(estimate.v_I, 0, add(v, gained))
-    turned = turn_by(q, scale(age, rate))
-    put4(estimate.q_I2B, turned)
+    put4(estimate.q_I2B, attitude_at(solution, motion, estimate.t))
     put3(estimate.w_B, 0, rate)
     put3(estimate.specific_force_B, 0, force)
     put3(estimate.imu_rate_B, 0, rate)

@@ -16,7 +16,7 @@ from edl6dof.campaign.row_columns import BELIEF, MATRIX, ROW, TRUTH, A, B, group
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.store import Store
 from edl6dof.config.document.source import parse_document
-from edl6dof.metrics.figures import LIMITS
+from edl6dof.metrics.figures import LIMITS, FigureOfMerit
 
 
 class Results:
@@ -87,8 +87,11 @@ class Results:
         """True for the cases whose failure no limit explains: those that failed within all limits, or without
         a value of every figure that has a limit; shape (n,).
         """
-        excess = np.array([self[figure] - limit for figure, _, limit, _ in self.limits])
-        explained = np.isfinite(excess).all(axis=0) & (excess > 0.0).any(axis=0) if len(excess) else False
+        explained = np.zeros(len(self.ok), bool)
+        for figure, limit in self.limits:
+            explained |= figure.violates(self[figure.name], limit)
+        for figure, _ in self.limits:
+            explained &= np.isfinite(self[figure.name])
         return ~(self.ok | explained)
 
     @property
@@ -130,11 +133,11 @@ class Results:
         return {name: self[name] for name in dispersed if self.has(name) and is_constant(name, campaign)}
 
     @cached_property
-    def limits(self) -> list[tuple[str, str, float, str]]:
-        """Figure, label, limit and unit of every limit that was applied to a case."""
+    def limits(self) -> list[tuple[FigureOfMerit, float]]:
+        """Figure and limit of every limit that was applied to a case."""
         given = self.document["limits"]
         return [
-            (figure.name, figure.meaning, float(given[figure.limit]), figure.unit.label)
+            (figure, float(given[figure.limit]))
             for figure in LIMITS
             if given.get(figure.limit) is not None and self.has(figure.name)
         ]

@@ -88,7 +88,7 @@ def _ends(low: float, high: float) -> str:
 
 def _figures(results: Results) -> list[str]:
     """Names of the figures to explain, without those that never change."""
-    names = dict.fromkeys([*(name for name, *_ in results.limits), *_FIGURES])
+    names = dict.fromkeys([*(figure.name for figure, _ in results.limits), *_FIGURES])
     values = {name: results[name] for name in names if results.has(name)}
     return [name for name, own in values.items() if len(set(own[np.isfinite(own)])) > 1]
 

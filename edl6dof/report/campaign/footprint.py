@@ -136,7 +136,7 @@ def deployment(results: Results) -> Figure:
 
 def _scatter(results: Results, across: tuple[str, str, float], up: tuple[str, str, float]) -> Panel:
     """Draw flights in the plane of two figures (name, title, size of unit); the axes include the limits."""
-    limits = {figure: limit for figure, _, limit, _ in results.limits}
+    limits = {figure.name: limit for figure, limit in results.limits}
     ways: tuple[Literal["x", "y"], ...] = ("x", "y")
     values, axes, spans, marks = [], [], [], []
     for way, (name, title, unit) in zip(ways, (across, up), strict=True):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
-from edl6dof.metrics.figures import figure_of_merit
+from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.report.document import (
     Block,
@@ -47,31 +47,38 @@ def limits(results: Results) -> Iterator[Block]:
         return
     shares = shown_shares(results)[-2:]
     rows: list[Row] = []
-    for figure, label, limit, unit in results.limits:
-        values = results[figure]
-        missed = int(np.sum(values > limit))
-        largest = _upper(results, values, shares)
+    for figure, limit in results.limits:
+        values = results[figure.name]
+        missed = int(np.sum(figure.violates(values, limit)))
+        worst = _bound(results, figure, values, shares)
         mood: Mood = "bad" if missed else "good"
-        used = Cell(in_percent(largest / limit), mood, largest / limit) if largest is not None else "-"
-        cells = [in_words(results, values, share) for share in shares]
-        rows.append([label, printed(unit), *cells, significant(limit), used, str(missed)])
-    end = "upper bound of the last quantile" if results.is_sample else "largest value"
+        share = None if worst is None else figure.used(worst, limit)
+        used = "-" if share is None else Cell(in_percent(share), mood, share)
+        cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
+        label, unit = figure.meaning, printed(figure.unit.label)
+        rows.append([label, unit, *cells, significant(limit), used, str(missed)])
+    end = "outer bound of the last quantile" if results.is_sample else "worst value"
     yield Text(f"{note(results)} Used is the {end} over the limit.")
     heads = [f"{head(share)}>" for share in shares]
     yield Table(["figure", "unit", *heads, "limit>", "used>", "missed>"], rows)
 
 
-def _upper(results: Results, values: np.ndarray, shares: Sequence[float]) -> float | None:
-    """Upper bound of the outermost quantile with bounds; the largest value if the flights are no sample."""
+def _bound(
+    results: Results, figure: FigureOfMerit, values: np.ndarray, shares: Sequence[float]
+) -> float | None:
+    """Bound toward the limit of the outermost quantile with bounds; the worst value if the flights are no
+    sample.
+    """
     if not results.is_sample:
-        return float(np.nanmax(values)) if np.isfinite(values).any() else None
-    found = (quantile(values, share) for share in reversed(shares))
-    return next((one.high for one in found if one is not None), None)
+        worst = np.nanmin if figure.clearance else np.nanmax
+        return float(worst(values)) if np.isfinite(values).any() else None
+    found = (quantile(values, figure.toward_limit(share)) for share in reversed(shares))
+    return next((one.low if figure.clearance else one.high for one in found if one is not None), None)
 
 
 def other_figures(results: Results) -> Iterator[Block]:
     """Tabulate quantiles of figures without a limit."""
-    limited = {name for name, *_ in results.limits}
+    limited = {figure.name for figure, _ in results.limits}
     table = _quantiles(results, "figure", (name for name in _OTHERS if name not in limited))
     if table.rows:
         yield Text(note(results))
@@ -229,12 +236,14 @@ def propellant(results: Results) -> Iterator[Block]:
 def worst(results: Results) -> Iterator[Block]:
     """Tabulate the cases nearest to each limit or beyond it, and the command that flies one again."""
     rows: list[Row] = []
-    for figure, label, limit, unit in results.limits:
-        values = results[figure]
+    for figure, limit in results.limits:
+        values = results[figure.name]
         finite = np.flatnonzero(np.isfinite(values))
-        nearest = finite[np.argsort(-values[finite], kind="stable")][:_NEAREST]
+        worse = values[finite] if figure.clearance else -values[finite]
+        nearest = finite[np.argsort(worse, kind="stable")][:_NEAREST]
         if len(nearest):
-            share = float(values[nearest[0]]) / limit
+            share = figure.used(float(values[nearest[0]]), limit)
+            label, unit = figure.meaning, figure.unit.label
             shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
             cases = ", ".join(str(results.cases[index]) for index in nearest)
             rows.append([label, printed(unit), shown, significant(limit), cases])

@@ -128,12 +128,22 @@ def limits(run: Run) -> Table:
     for limit in run.summary["limits"]:
         value = math.nan if limit["value"] is None else float(limit["value"])
         shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
-        share = value / float(limit["limit"])
+        bound = float(limit["limit"])
+        share = bound / max(value, 1e-9) if limit["least"] else value / bound
         mood: Mood = "good" if limit["ok"] else "bad"
         known = not math.isnan(share)
         used = Cell(in_percent(share) if known else "-", mood, share if known else None)
         result = Cell(LIMIT_STATUS[limit["ok"]], mood)
-        rows.append([limit["name"], printed(limit["unit"]), shown, f"≤ {allowed}", used, result])
+        rows.append(
+            [
+                limit["name"],
+                printed(limit["unit"]),
+                shown,
+                f"{'≥' if limit['least'] else '≤'} {allowed}",
+                used,
+                result,
+            ]
+        )
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
 
 

@@ -116,7 +116,7 @@ def hazard_maps(run: Run) -> Iterator[Figure]:
     if found is None:
         return
     if len(found.coarse_m):
-        yield _coarse(run, found)
+        yield coarse_choice(run, found)
     yield _fine(run, found)
 
 
@@ -182,13 +182,13 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
     )
 
 
-def _coarse(run: Run, found: LandingMap) -> Figure:
-    """The targets that the parts of the landing image offered, and where backshell and lander came down."""
+def coarse_choice(run: Run, found: LandingMap) -> Figure:
+    """Draw the targets of the parts of the landing image, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
     (x, y), (drift_x, drift_y) = found.coarse_m.T, found.drift_m[:, :2].T
     offered = Trace(x, y, "parts of the image", "points", GREY, labels=labels, width=4.0)
-    chosen = found.coarse_m[int(found.coarse_part)]
-    taken = Trace(chosen[:1], chosen[1:], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
+    chosen = found.coarse_m[np.arange(len(found.coarse_m)) == found.coarse_part]
+    taken = Trace(chosen[:, 0], chosen[:, 1], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
     drift = Trace(drift_x, drift_y, "backshell, as predicted", colour=PURPLE, dash="dot")
     # all in navigated coordinates, which contain the navigation error
     off = run["nav.error_east_m"], run["nav.error_north_m"]
@@ -200,8 +200,9 @@ def _coarse(run: Run, found: LandingMap) -> Figure:
     lander = flown(way_e, way_n, "lander")
     panel = site_panel([offered, taken, drift, shell, lander])
     caption = (
-        "From the landing image the part with the fewest obstacles is taken whose middle keeps clear of the "
-        "predicted way of backshell and canopy."
+        "Of the parts of the landing image whose target is away from the predicted path of backshell and "
+        "canopy, the one with the fewest obstacles is taken. "
+        + ("" if len(chosen) else "None was: the plain divert rule has set the target.")
     )
     return Figure("coarse_choice", "Choice on the landing image", [panel], caption, height=420)
 

@@ -31,7 +31,7 @@ def onboard_record():
     unit["accelerometer_scale"] = 7e-5
     unit["n_trackers"] = 1
     unit["star_sigma"], unit["star_bias"] = np.radians(0.005), np.radians(0.004)
-    unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
+    unit["tracking_position"], unit["tracking_velocity"] = 500.0**2 * np.eye(3), 0.5**2 * np.eye(3)
     unit["antenna_position"] = ARM
     lean = np.radians(25.0)
     for k in range(4):

@@ -7,6 +7,7 @@ to compile numpy's generator, and what is done with arrays of three; and long to
 import numpy as np
 from made_up_course import DT, RADIUS, SPIN, moving
 
+from edl6dof.fsw.navigation.filters.kalman.radar_update import WIDEST
 from edl6dof.fsw.navigation.strapdown import level_axes
 from edl6dof.kernels import kernel
 from edl6dof.spatial.quaternion import from_frame, multiply, normalise
@@ -52,7 +53,8 @@ def true_range(u, up, rise, height):
 
 def draw_unit(unit, size, draws):
     """Errors of the instruments of one flight: biases (B) and matrices of scale and misalignment of gyros and
-    accelerometers, bias of the star tracker, scales and biases of the radar.  ``size``: factor of all.
+    accelerometers, bias of the star tracker, scales of the radar, and its shifts of the range (m) with their
+    variance, which change with the relief.  ``size``: factor of all.
     """
     half = size * np.sqrt(0.5)  # six instruments on a cone: H'H = 2
     return (
@@ -64,6 +66,7 @@ def draw_unit(unit, size, draws):
         normals(draws, size * unit["range_scale"], unit["n_beams"]),
         normals(draws, size * unit["speed_scale"], unit["n_beams"]),
         normals(draws, size * unit["range_bias"], unit["n_beams"]),
+        np.full((unit["n_beams"], 1), unit["range_bias"] ** 2),
     )
 
 
@@ -91,7 +94,19 @@ def star_fix(unit, q, bias, size, draws):
 
 
 @kernel
-def read_radar(onboard, change, t, r, v, q, rate, ground, drawn, looks, size, radar, draws):
+def shift(drawn, b, variance, size, draws):
+    """Shift (m) of the range of a beam over relief, of which a part is that of the look before."""
+    shifts, variances = drawn[7], drawn[8]
+    share = min(variance / max(variances[b, 0], 1e-12), 1.0)
+    kept = share * np.sqrt(share)
+    new = np.sqrt(max(variance - kept**2 * variances[b, 0], 0.0))
+    shifts[b, 0] = kept * shifts[b, 0] + size * new * normal(draws)
+    variances[b, 0] = variance
+    return shifts[b, 0]
+
+
+@kernel
+def read_radar(onboard, relief, t, r, v, q, rate, ground, drawn, looks, size, radar, draws):
     """Fill ``radar``; ``ground``: height, and rise towards north and east; ``looks``: state of each beam (0
     sound, 1 lost, 2 locked on something 60 m away).
     """
@@ -108,10 +123,11 @@ def read_radar(onboard, change, t, r, v, q, rate, ground, drawn, looks, size, ra
         slope = -dot(u, up)
         seen = height > 0.0 and slope + dot(u, rise) > FLATTEST
         reach, speed = true_range(u, up, rise, height) if seen else 0.0, dot(u, velocity)
-        uneven = change * np.sqrt(reach * np.sqrt(1.0 - slope**2) / 1000.0)
+        off = min(reach * np.sqrt(1.0 - slope**2), WIDEST) / 1000.0
+        variance = unit.range_bias**2 + relief**2 * off**1.5 / (slope + dot(u, rise)) ** 2
         noise = size * (unit.range_sigma + unit.range_sigma_relative * reach) * normal(draws)
-        noise += size * uneven / slope * normal(draws)
-        radar.range[b] = reach * (1.0 + drawn[5][b, 0]) + drawn[7][b, 0] + noise
+        noise += shift(drawn, b, variance, size, draws)
+        radar.range[b] = reach * (1.0 + drawn[5][b, 0]) + noise
         noise = unit.speed_sigma + unit.speed_sigma_relative * abs(speed)
         radar.speed[b] = speed * (1.0 + drawn[6][b, 0]) + size * noise * normal(draws)
         radar.locked[b] = seen and looks[b] != 1

@@ -4,6 +4,8 @@ err as the flight computer believes.
 The solution is integrated by the rule by which the truth was made, so that instruments alone make errors.
 """
 
+from math import sqrt
+
 import numpy as np
 from made_up_course import DT, SITE, half_turned, pull_of
 from made_up_instruments import (
@@ -76,8 +78,8 @@ def begin(onboard, params, records, drawn, place, size, draws):
     unit, solution = onboard.instruments, records[2][0]
     r, v, q = place
     for i in range(3):
-        solution.r_I[i] = r[i] + size * normal(draws) * unit.tracking_position_sigma[i]
-        solution.v_I[i] = v[i] + size * normal(draws) * unit.tracking_velocity_sigma[i]
+        solution.r_I[i] = r[i] + size * normal(draws) * sqrt(unit.tracking_position[i, i])
+        solution.v_I[i] = v[i] + size * normal(draws) * sqrt(unit.tracking_velocity[i, i])
     put4(solution.q_I2B, star_fix(unit, q, drawn[4], size, draws))
     start(params, onboard, records[0][0], solution, records[4][0])
 
@@ -165,7 +167,7 @@ def fly_filter(
             strapdown(onboard, motion, solution)
             sensed.t = k * DT
             read_radar(
-                *(onboard, params.terrain_change, sensed.t, place[0], place[1], q),
+                *(onboard, params.relief, sensed.t, place[0], place[1], q),
                 *(scale(1.0 / DT, turned), ground[k], drawn, looks[k], size, sensed.radar, draws),
             )
             solution.beams_used = 0

@@ -14,7 +14,12 @@ from textbook_filter import TextbookFilter, matrix, skew
 
 from edl6dof.fsw.navigation.filters.error_state import correct, start
 from edl6dof.fsw.navigation.filters.kalman.covariance import axes_covariance
-from edl6dof.fsw.navigation.filters.kalman.measurement_update import median, refused_again, weighted_noise
+from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
+    median,
+    refused_again,
+    update_by_stars,
+    weighted_noise,
+)
 from edl6dof.fsw.navigation.filters.kalman.radar_update import range_row, speed_row
 from edl6dof.fsw.navigation.filters.kalman.states import ACTING, MOVING, STATES, WIDTH, fill_transition
 from edl6dof.fsw.navigation.radar_beams import expected_range, ground_normal, place_antenna
@@ -49,9 +54,9 @@ def followed(onboard, params, flown, first, cycles):
     sensed, motion, solution, health, memory = (record[0] for record in records)
     book = TextbookFilter(
         *(onboard[0]["instruments"], onboard[0]["planet"], onboard[0]["site"]["altitude"]),
-        params[0][["terrain_sigma", "terrain_change"]].item(),
+        params[0][["terrain_sigma", "terrain_change", "relief"]].item(),
         params[0][["slope_sigma", "slope_change"]].item(),
-        *(2.0 * params[0]["gravity"] ** 2 * params[0]["gravity_time"], flown[2][first]),
+        *(params[0]["gravity"], flown[2][first]),
     )
 
     def begin(sensed, solution):
@@ -206,9 +211,10 @@ def relative(error):
     return error[3:6] - np.cross([0.0, 0.0, course.SPIN], error[:3])
 
 
-def test_landing_is_known_as_well_as_required(descent):
+def test_landing_over_even_ground_is_known_as_well_as_required(descent):
     ignition, down = ends(descent)
-    errors, _, _, _, claims = landing.fly(ONBOARD.copy(), PARAMS, descent, [ignition, down])
+    even = belief.params_record(relief_m=1.0)
+    errors, _, _, _, claims = landing.fly(ONBOARD.copy(), even, descent, [ignition, down])
     assert 3.0 * claims[0, 9] < 5.0 and (3.0 * claims[0, 3:6]).max() < 0.3
     assert 3.0 * claims[1, 9] < 0.5 and (3.0 * claims[1, 3:6]).max() < 0.1
     assert np.degrees(3.0 * np.hypot(claims[1, 6], claims[1, 7])) < 0.2
@@ -237,7 +243,8 @@ def test_the_landing_is_still_known_with_beams_lost(descent, lost):
     _, down = ends(descent)
     looks = np.zeros((down + 1, 8), np.int64)
     looks[:, list(lost)] = 1
-    errors, _, _, used, claims = landing.fly(ONBOARD.copy(), PARAMS, descent, [down], looks=looks)
+    even = belief.params_record(relief_m=1.0)
+    errors, _, _, used, claims = landing.fly(ONBOARD.copy(), even, descent, [down], looks=looks)
     assert used.max() == 15 - sum(1 << beam for beam in lost)
     assert 3.0 * claims[0, 9] < 0.6 and (3.0 * claims[0, 3:6]).max() < 0.3
     assert abs(height_error(errors[0], descent, down)) < 4.0 * claims[0, 9]
@@ -278,6 +285,25 @@ def test_star_fixes_that_stay_away_are_believed_in_the_end(descent):
         apart.append(landing.rotation_vector(landing.multiply(fix, (1, -1, -1, -1) * solution["q_I2B"])))
     size = np.linalg.norm(apart, axis=1)
     assert size[150] == pytest.approx(0.02, rel=0.01) and size[-1] < 1e-3
+
+
+def test_mean_of_two_star_trackers_has_half_the_bias_variance_of_one():
+    """Many fixes of two trackers leave the variance of their mean bias, then those of one its own."""
+    onboard, records = ONBOARD.copy(), landing.records()
+    unit = onboard[0]["instruments"]
+    unit["n_trackers"] = 2
+    sensed, motion, solution, _, memory = (record[0] for record in records)
+    solution["r_I"], solution["q_I2B"] = (3.4e6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    start(PARAMS[0], onboard[0], sensed, solution, memory)
+    motion["fix_q_I2B"] = solution["q_I2B"]
+    for fixes in (2, 1):
+        for i in range(6, 9):  # the gyros have drifted
+            memory["covariance"][i, i] += np.radians(0.1) ** 2
+        motion["fixes"] = fixes
+        for _ in range(4000):
+            update_by_stars(PARAMS[0], onboard[0], sensed, motion, solution, memory)
+        left = np.diag(memory["covariance"])[6:9]
+        assert left == pytest.approx(np.full(3, unit["star_bias"] ** 2 / fixes), rel=0.02)
 
 
 def test_antenna_is_placed_where_it_will_be(descent):

@@ -6,6 +6,8 @@ is zero; P' = (1 - K H) P (1 - K H)' + K R K' with dense matrices.  Nothing of t
 
 import numpy as np
 
+from edl6dof.fsw.navigation.filters.kalman.radar_update import WIDEST
+
 ESTIMATED, ALL = 18, 66
 
 
@@ -24,17 +26,18 @@ class TextbookFilter:
 
     def __init__(self, unit, planet, site_altitude, terrain, slope, gravity, q):
         self.unit, self.planet, self.site = unit, planet, site_altitude
-        (terrain_sigma, self.change), (self.slope_sigma, self.slope_change) = terrain, np.tan(slope)
-        self.gravity = gravity
+        (terrain_sigma, self.change, self.relief), (self.slope_sigma, self.slope_change) = (
+            terrain,
+            np.tan(slope),
+        )
         star = unit["star_bias"] ** 2
         spread = np.linalg.inv(unit["gyro_axis"][:6].T @ unit["gyro_axis"][:6])
         self.spread = spread
         P = np.zeros((ALL, ALL))
-        P[0:3, 0:3] = np.diag(unit["tracking_position_sigma"] ** 2)
-        P[3:6, 3:6] = np.diag(unit["tracking_velocity_sigma"] ** 2)
+        P[0:3, 0:3], P[3:6, 3:6] = unit["tracking_position"], unit["tracking_velocity"]
         P[6:9, 6:9] = (unit["star_sigma"] ** 2 + star) * np.eye(3)
         P[9:12, 9:12] = unit["gyro_bias"] ** 2 * spread
-        P[12:15, 12:15] = unit["accelerometer_bias"] ** 2 * spread
+        P[12:15, 12:15] = unit["accelerometer_bias"] ** 2 * spread + gravity**2 * np.eye(3)
         P[15, 15], P[16, 16], P[17, 17] = terrain_sigma**2, self.slope_sigma**2, self.slope_sigma**2
         considered = np.concatenate(
             [
@@ -88,9 +91,7 @@ class TextbookFilter:
         F[15, 16], F[15, 17] = T * (north @ v_rel), T * (east @ v_rel)
         unit, C = self.unit, matrix(q)
         Q = np.zeros((ALL, ALL))
-        Q[3:6, 3:6] = unit[
-            "accelerometer_noise"
-        ] ** 2 * T * C @ self.spread @ C.T + self.gravity * T * np.eye(3)
+        Q[3:6, 3:6] = unit["accelerometer_noise"] ** 2 * T * C @ self.spread @ C.T
         Q[6:9, 6:9] = unit["gyro_noise"] ** 2 * T * C @ self.spread @ C.T
         Q[9:12, 9:12] = unit["gyro_bias_walk"] ** 2 * T * self.spread
         Q[12:15, 12:15] = unit["accelerometer_bias_walk"] ** 2 * T * self.spread
@@ -126,8 +127,13 @@ class TextbookFilter:
         H[15], H[39 + beam], H[55 + beam] = -1.0 / c, reach, 1.0
         H[16], H[17] = -north @ (lever + reach * u) / c, -east @ (lever + reach * u) / c
         unit = self.unit
-        own = unit["range_sigma"] + unit["range_sigma_relative"] * reach
-        self.take(H, own**2 + self.change**2 * off / 1000.0 / c**2, measured - reach, up)
+        # relief under the beam: what is left of it is a share, the rest is new
+        variance = unit["range_bias"] ** 2 + self.relief**2 * (min(off, WIDEST) / 1000.0) ** 1.5 / c**2
+        share = min(variance / self.P[55 + beam, 55 + beam], 1.0) ** 1.5
+        self.P[55 + beam] *= share
+        self.P[:, 55 + beam] *= share
+        self.P[55 + beam, 55 + beam] = variance
+        self.take(H, (unit["range_sigma"] + unit["range_sigma_relative"] * reach) ** 2, measured - reach, up)
 
     def take_speed(self, beam, measured, C, up, velocity, swing):
         u, spin = C @ self.unit["beam_axis"][beam], np.array([0.0, 0.0, self.planet["rotation_rate"]])

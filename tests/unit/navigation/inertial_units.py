@@ -40,7 +40,7 @@ def believed_unit(number: int = 6) -> np.ndarray:
     unit["accelerometer_scale"] = 7e-5
     unit["n_trackers"] = 1
     unit["star_sigma"] = radians(0.02) / 3.0
-    unit["tracking_position_sigma"], unit["tracking_velocity_sigma"] = 500.0, 0.5
+    unit["tracking_position"], unit["tracking_velocity"] = 500.0**2 * np.eye(3), 0.5**2 * np.eye(3)
     return known
 
 

@@ -140,12 +140,12 @@ def fly(onboard, flown, rng, marks, errors=1.0):
         truth["q_I2B"][:STARS_UNTIL], errors * known["star_sigma"] * rng.normal(size=(STARS_UNTIL, 3))
     )
     sensed, memory = np.zeros(1, SENSED), new_memory()
-    sensed["tracking"]["r_I"] = truth["r_I"][0] + errors * known["tracking_position_sigma"] * rng.normal(
-        size=3
-    )
-    sensed["tracking"]["v_I"] = truth["v_I"][0] + errors * known["tracking_velocity_sigma"] * rng.normal(
-        size=3
-    )
+    sensed["tracking"]["r_I"] = truth["r_I"][0] + errors * np.sqrt(
+        np.diag(known["tracking_position"])
+    ) * rng.normal(size=3)
+    sensed["tracking"]["v_I"] = truth["v_I"][0] + errors * np.sqrt(
+        np.diag(known["tracking_velocity"])
+    ) * rng.normal(size=3)
     state, found, first = np.zeros(1, VEHICLE_STATE), [], 0
     filters = tuple(chosen(name, onboard[0]) for name in ("start_filter", "correct_solution"))
     for mark in marks:

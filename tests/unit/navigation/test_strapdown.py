@@ -15,6 +15,7 @@ from edl6dof.fsw.navigation.strapdown import (
     gravity_I,
     integrate,
     rotation_vector_of,
+    turn_ahead,
     turn_by,
 )
 from edl6dof.kernels import kernel
@@ -60,6 +61,19 @@ def test_coning_drift_is_pi_f_a_b_less_what_two_samples_see(frequency):
     assert seen == pytest.approx(drift * sin(x) * (1.0 - cos(x)) / (3.0 * x), rel=1e-9)
     if frequency == 1.0:  # what is left is of the fifth order
         assert seen == pytest.approx(drift * (1.0 - sin(x) / x), rel=1e-2)
+
+
+@pytest.mark.parametrize("age", [0.5 * DT, DT, 2.0 * DT])
+def test_turn_ahead_of_a_steady_angular_acceleration_is_exact(age):
+    """At rate w + a t about one axis, the angle turned from t = 2 dt on is (w + 2 a dt) age + a age^2 / 2."""
+    w, a = 0.3, 5.0
+    angle = np.diff(w * DT * np.arange(3) + 0.5 * a * (DT * np.arange(3)) ** 2)
+    record = motions(np.outer(angle, (0.6, 0.0, -0.8)), np.zeros((2, 3)), DT)[1]
+    record["rate"], record["rate_known"] = (w + 2.0 * a * DT) * np.array([0.6, 0.0, -0.8]), 1
+    expected = ((w + 2.0 * a * DT) * age + 0.5 * a * age**2) * np.array([0.6, 0.0, -0.8])
+    assert turn_ahead(record, age) == pytest.approx(expected, rel=1e-12)
+    record["rate_known"] = 0
+    assert turn_ahead(record, age) == pytest.approx(age * record["rate"], rel=1e-12)
 
 
 def test_attitude_of_a_coning_motion_stays():

@@ -116,6 +116,18 @@ def test_limits_bound_figures_of_their_own_unit_and_none_is_left_out(rough):
     ]
 
 
+def test_limit_of_a_clearance_is_its_least_value(rough):
+    """100 m are allowed to come down to 60 m: 80 m use 3/4 of the limit, 50 m violate it, and the quantile of
+    99 % of the flights is that which 1 % of them are below.
+    """
+    figure, values = figure_of_merit("min_drift_distance_m"), np.array([100.0, 50.0, np.nan])
+    assert figure.violates(values, 60.0).tolist() == [False, True, False]
+    assert figure.used(80.0, 60.0) == pytest.approx(0.75) and figure.toward_limit(0.99) == pytest.approx(0.01)
+    for distance, met in ((60.0, True), (59.9, False), (np.nan, False)):
+        (check,) = checks(rough.scenario.limits, {"min_drift_distance_m": distance})
+        assert (check.ok, check.allowed) == (met, ">=")
+
+
 def test_published_figures_of_shipped_scenarios_are_declared():
     shipped = [edl6dof.load(name).scenario for name in shipped_names("scenarios") if "plugin" not in name]
     assert any(one.published for one in shipped)

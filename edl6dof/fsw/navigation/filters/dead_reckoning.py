@@ -65,8 +65,9 @@ def start(params, onboard, sensed, solution, memory):
         for j in range(ERRORS):
             P[i, j] = 0.0
     for i in range(3):
-        P[R + i, R + i] = known.tracking_position_sigma[i] ** 2
-        P[V + i, V + i] = known.tracking_velocity_sigma[i] ** 2
+        for j in range(3):
+            P[R + i, R + j] = known.tracking_position[i, j]
+            P[V + i, V + j] = known.tracking_velocity[i, j]
         P[TURN + i, TURN + i] = known.star_sigma**2
         P[GYRO_BIAS + i, GYRO_BIAS + i] = gyros * known.gyro_bias**2
         P[FORCE_BIAS + i, FORCE_BIAS + i] = forces * known.accelerometer_bias**2

@@ -68,7 +68,7 @@ class ErrorStateParams(Params):
         le=1000,
     )
     terrain_sigma_m: float = param(
-        300.0,
+        150.0,
         "initial standard deviation of the height of the ground above the site",
         status="estimate",
         gt=0.0,
@@ -77,6 +77,13 @@ class ErrorStateParams(Params):
     terrain_change_m: float = param(
         5.0,
         "standard deviation of the change of the height of the ground over 1 km",
+        status="estimate",
+        gt=0.0,
+        le=1000.0,
+    )
+    relief_m: float = param(
+        14.5,
+        "standard deviation of the difference of height between two places 1 km apart, off the plane",
         status="estimate",
         gt=0.0,
         le=1000.0,
@@ -100,10 +107,11 @@ class ErrorStateParams(Params):
         le=1000.0,
     )
     gravity_m_s2: float = param(
-        1e-3, "standard deviation of the error of the gravity model", status="estimate", ge=0.0, le=1.0
-    )
-    gravity_time_s: float = param(
-        60.0, "correlation time of the error of the gravity model", status="estimate", ge=0.0, le=10e3
+        1e-3,
+        "standard deviation of the error of the gravity model, which counts as accelerometer bias",
+        status="estimate",
+        ge=0.0,
+        le=1.0,
     )
     unknown_rate_deg_s: float = param(
         2.0, "standard deviation of the rate during a gap of the gyros", status="estimate", ge=0.0, le=1000.0

@@ -122,10 +122,9 @@ def _report_covariance(onboard, solution, memory):
     known, t = onboard.instruments, solution.t - memory.started_t
     turned = known.star_sigma**2 + known.star_bias**2 + known.gyro_noise**2 * t + (known.gyro_bias * t) ** 2
     for i in range(3):
-        solution.sigma_r[i] = sqrt(
-            known.tracking_position_sigma[i] ** 2 + (known.tracking_velocity_sigma[i] * t) ** 2
-        )
-        solution.sigma_v[i] = known.speed_sigma if memory.in_loop != 0 else known.tracking_velocity_sigma[i]
+        tracked = known.tracking_velocity[i, i]
+        solution.sigma_r[i] = sqrt(known.tracking_position[i, i] + tracked * t**2)
+        solution.sigma_v[i] = known.speed_sigma if memory.in_loop != 0 else sqrt(tracked)
         solution.sigma_attitude[i] = sqrt(turned)
     own = sqrt(known.range_sigma**2 + known.range_bias**2)
     solution.sigma_height = own if memory.in_loop != 0 else solution.sigma_r[2]

@@ -247,14 +247,15 @@ def _report_covariance(params, onboard, solution, memory):
     attitude = instruments.star_sigma**2 + instruments.star_bias**2
     attitude += instruments.gyro_noise**2 * t + (instruments.gyro_bias * t) ** 2
     for i, axis in enumerate((north, east, up)):
-        tracked, grown = instruments.tracking_position_sigma[i], instruments.tracking_velocity_sigma[i] * t
-        solution.sigma_r[i] = sqrt(tracked**2 + grown**2)
+        tracked = deviation(instruments.tracking_position, 0, axis)
+        tracked_v = deviation(instruments.tracking_velocity, 0, axis)
+        solution.sigma_r[i] = sqrt(tracked**2 + (tracked_v * t) ** 2)
         if memory.placed_t > 0.0 and i < 2:
             displaced = onboard.instruments.landmarks.map_offset
             grown = solution.sigma_v[i] * (solution.t - memory.placed_t)
             solution.sigma_r[i] = sqrt(memory.place_variance[i] + grown**2 + displaced**2)
         fitted = deviation(memory.covariance, 0, axis)
-        solution.sigma_v[i] = fitted if memory.converged != 0 else instruments.tracking_velocity_sigma[i]
+        solution.sigma_v[i] = fitted if memory.converged != 0 else tracked_v
         solution.sigma_attitude[i] = sqrt(attitude)
     height = abs(altitude - onboard.site.altitude - solution.terrain)
     own = instruments.range_sigma + instruments.range_sigma_relative * height

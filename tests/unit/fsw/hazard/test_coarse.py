@@ -28,7 +28,7 @@ predict_drift = as_flown(
 )
 follow_wind = as_flown(kernels.follow_wind, "seconds, nav, dt, memory", "seconds, nav, dt, memory.carried_N")
 distance_from_drifts = as_flown(
-    kernels.distance_from_drifts, "memory, east, north", "memory.coarse.drift, east, north"
+    kernels.distance_from_drifts, "memory, spread, east, north", "memory.coarse.drift, spread, east, north"
 )
 MIDDLES = (2.0 * np.arange(CAMERA_CELLS) + 1.0) / CAMERA_CELLS - 1.0
 #: Of the cells, along z (rows) and y (columns) of B; as the lander hangs below, y points south and z east.
@@ -57,8 +57,8 @@ def chosen(density, v_N, seen=None, drift=None, **values):
     if drift is not None:
         out["drift"][1] = drift
     nav = navigated(v_N)
-    east, north = choose_part(params, image(density, seen), nav, out)
-    return out, np.array([east, north]) - nav["site_L"][:2]
+    found = choose_part(params, image(density, seen), nav, out)
+    return out, out["target_L"][out["part"]] - nav["site_L"][:2] if found else None
 
 
 @pytest.mark.parametrize("rocky_side, target", [("east", (-170.0, 0.0)), ("west", (170.0, 0.0))])
@@ -101,23 +101,31 @@ def test_part_below_the_drift_is_not_taken():
     density = np.where(Z > 0.0, 0.0, 0.3)
     out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift)
     assert to[0] == pytest.approx(-170.0)
-    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=0.0)
+    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=0.0, spread_m_s=0.0)
     assert to[0] == pytest.approx(170.0)
-    # where none keeps clear, the clearest
-    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=1e4)
-    assert to[0] == pytest.approx(-170.0) and out["clear"].max() == pytest.approx(340.0)
+    out, to = chosen(density, (10.0, 0.0, 62.0), drift=drift, keep_clear_m=341.0, spread_m_s=0.0)
+    assert to is None and out["clear"].max() == pytest.approx(340.0)
 
 
 def test_distance_from_the_drift_is_that_of_the_nearest_path():
     memory = new(FSW["hazard"])
     drifts = memory["coarse"]["drift"]
-    assert distance_from_drifts(memory, 50.0, 30.0) == 1e9
+    assert distance_from_drifts(memory, 4.0, 50.0, 30.0) == 1e9
     drifts[0]["count"] = drifts[2]["count"] = 3
     drifts[0]["place_L"][:3] = [(0.0, 0.0, 900.0), (100.0, 0.0, 300.0), (200.0, 0.0, 0.0)]
     drifts[2]["place_L"][:3] = [(0.0, 0.0, 900.0), (0.0, 50.0, 300.0), (0.0, 300.0, 0.0)]
-    assert distance_from_drifts(memory, 50.0, 30.0) == pytest.approx(30.0)
-    assert distance_from_drifts(memory, 20.0, 200.0) == pytest.approx(20.0)
-    assert distance_from_drifts(memory, 230.0, -40.0) == pytest.approx(50.0)
+    assert distance_from_drifts(memory, 0.0, 50.0, 30.0) == pytest.approx(30.0)
+    assert distance_from_drifts(memory, 0.0, 20.0, 200.0) == pytest.approx(20.0)
+    assert distance_from_drifts(memory, 0.0, 230.0, -40.0) == pytest.approx(50.0)
+
+
+def test_region_of_the_backshell_grows_with_time():
+    """A body that falls for 40 s without wind is up to 40 times 3 m from the place below its release."""
+    memory = new(FSW["hazard"])
+    drift = memory["coarse"]["drift"][0]
+    drift["count"] = 41
+    drift["place_L"][:41, 2] = np.linspace(1000.0, 0.0, 41)
+    assert distance_from_drifts(memory, 3.0, 200.0, 0.0) == pytest.approx(200.0 - 3.0 * 40.0)
 
 
 def test_lasting_gust_is_one_path_and_one_that_dies_another():

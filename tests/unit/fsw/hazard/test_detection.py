@@ -183,3 +183,14 @@ def test_image_is_asked_for_once_and_sets_the_coarse_point():
     assert lander.fsw["landing_point"]["coarse_known"] == 1
     assert lander.fsw["hazard"]["coarse"]["part"] == 3
     assert lander.fsw["hazard"]["image_t"] == pytest.approx(0.06)
+
+
+def test_without_a_part_away_from_the_backshell_the_plain_rule_sets_the_target():
+    lander = Lander()
+    lander.onboard["instruments"]["imagers"]["camera"]["tangent"] = 0.5
+    lander.onboard["hazard"]["coarse"]["keep_clear"] = 2e9
+    lander.step(G_POWERED, 0.0)
+    lander.sensed["camera"]["fresh"] = 1
+    lander.step(G_POWERED, 0.1)
+    assert lander.fsw["landing_point"]["coarse_known"] == 0
+    assert lander.fsw["hazard"]["image_t"] == 0.0

@@ -23,7 +23,7 @@ def chosen(east_north, velocity, drift):
     """The chosen site, and the divert point: ``velocity`` east and north (m/s)."""
     nav = new(NAV)
     nav["site_L"][:2], nav["v_N"] = east_north, (velocity[1], velocity[0], 60.0)
-    coarse = filled(CoarseParams(lead_s=LEAD, divert_m=DIVERT, keep_clear_m=CLEAR))
+    coarse = filled(CoarseParams(lead_s=LEAD, divert_m=DIVERT, keep_clear_m=CLEAR, spread_m_s=0.0))
     wanted = east_north + velocity * (LEAD - DIVERT / np.hypot(*velocity))
     return np.array(choose_site(filled(MapSitesParams(spacing_m=SPACING)), coarse, nav, drift)), wanted
 

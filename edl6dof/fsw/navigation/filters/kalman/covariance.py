@@ -133,9 +133,8 @@ def add_process_noise(params, instruments, v_rel_I, up, height, q, memory):
     for i in range(SLOPE, SLOPE + 2):
         room = max(tan(params.slope_sigma) ** 2 - covariance[i, i], 0.0)
         covariance[i, i] += min(tan(params.slope_change) ** 2 * moved, room)
-    gravity = 2.0 * params.gravity**2 * params.gravity_time * dt  # white noise of the same long-term growth
     for i in range(3):
-        covariance[VELOCITY + i, VELOCITY + i] += interval.unknown_gain + gravity
+        covariance[VELOCITY + i, VELOCITY + i] += interval.unknown_gain
         room = max(ANYHOW - covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i], 0.0)
         covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] += min(interval.unknown_turn, room)
 
@@ -148,7 +147,7 @@ def fill_considered(instruments, gyro_spread, accelerometer_spread, considered):
         considered[GYRO_SCALE + k] = instruments.gyro_scale**2 * gyro_spread[i, i]
         considered[ACCELEROMETER_SCALE + k] = instruments.accelerometer_scale**2 * accelerometer_spread[i, i]
     for i in range(3):
-        considered[STAR_BIAS + i] = instruments.star_bias**2
+        considered[STAR_BIAS + i] = instruments.star_bias**2 / max(instruments.n_trackers, 1)
         considered[MAP_OFFSET + i] = instruments.landmarks.map_offset**2
     for beam in range(instruments.n_beams):
         considered[RANGE_SCALE + beam] = instruments.range_scale**2
@@ -176,17 +175,18 @@ def start_covariance(params, instruments, solution, memory):
             covariance[i, j] = 0.0
     q = take4(solution.q_I2B)
     x, y, z = axes(q)
-    fix = instruments.star_sigma**2 + instruments.star_bias**2
+    bias = instruments.star_bias**2 / max(instruments.n_trackers, 1)
+    fix = instruments.star_sigma**2 + bias
     for i in range(3):
-        covariance[POSITION + i, POSITION + i] = instruments.tracking_position_sigma[i] ** 2
-        covariance[VELOCITY + i, VELOCITY + i] = instruments.tracking_velocity_sigma[i] ** 2
         covariance[ATTITUDE_ERROR + i, ATTITUDE_ERROR + i] = fix
-        covariance[ATTITUDE_ERROR + i, STAR_BIAS] = -x[i] * instruments.star_bias**2
-        covariance[ATTITUDE_ERROR + i, STAR_BIAS + 1] = -y[i] * instruments.star_bias**2
-        covariance[ATTITUDE_ERROR + i, STAR_BIAS + 2] = -z[i] * instruments.star_bias**2
+        covariance[ATTITUDE_ERROR + i, STAR_BIAS] = -x[i] * bias
+        covariance[ATTITUDE_ERROR + i, STAR_BIAS + 1] = -y[i] * bias
+        covariance[ATTITUDE_ERROR + i, STAR_BIAS + 2] = -z[i] * bias
+    add_block(covariance, POSITION, 1.0, instruments.tracking_position)
+    add_block(covariance, VELOCITY, 1.0, instruments.tracking_velocity)
     covariance[TERRAIN, TERRAIN] = params.terrain_sigma**2
     reopen_slope(params, covariance)
-    _begin_biases(instruments, memory)
+    _begin_biases(params, instruments, memory)
     fill_considered(instruments, memory.gyro_spread, memory.accelerometer_spread, memory.considered)
     begin_interval(memory.interval)
     memory.ranges_refused, memory.speeds_refused, memory.fixes_refused = 0, 0, 0
@@ -196,8 +196,11 @@ def start_covariance(params, instruments, solution, memory):
 
 
 @kernel
-def _begin_biases(instruments, memory):
-    """Initialise with all instruments in use and the biases of their data sheets."""
+def _begin_biases(params, instruments, memory):
+    """Initialise with all instruments in use and the biases of their data sheets.
+
+    The error of the gravity model changes slowly, like a bias of the accelerometers, and is a part of it.
+    """
     healthy = (1 << instruments.n_gyros) - 1
     memory.gyros_in_use = healthy
     axes_covariance(instruments.gyro_axis, healthy, instruments.n_gyros, memory.gyro_spread)
@@ -207,6 +210,8 @@ def _begin_biases(instruments, memory):
     spread = memory.accelerometer_spread
     axes_covariance(instruments.accelerometer_axis, healthy, instruments.n_accelerometers, spread)
     add_block(memory.covariance, ACCELEROMETER_BIAS, instruments.accelerometer_bias**2, spread)
+    for i in range(ACCELEROMETER_BIAS, ACCELEROMETER_BIAS + 3):
+        memory.covariance[i, i] += params.gravity**2
 
 
 @kernel

@@ -240,13 +240,25 @@ def apply_correction(memory, solution):
 
 
 @kernel
+def reconsider(at, variance, share, memory):
+    """Set the variance of the considered error ``at``: a ``share`` of the error before, and a new part."""
+    memory.considered[at] = variance
+    for i in range(STATES):
+        memory.covariance[i, at] *= share
+
+
+@kernel
 def update_by_stars(params, onboard, sensed, motion, solution, memory):
-    """Update covariance and correction with a star fix."""
+    """Update covariance and correction with a star fix, the mean of all trackers in use."""
     q = attitude_at(solution, motion, sensed.t)
     turn = rotation_vector(multiply(take4(motion.fix_q_I2B), conjugate(q)))
     x, y, z = axes(q)
     row, refused = memory.row, 0
     noise = onboard.instruments.star_sigma**2 / motion.fixes + motion.fix_doubt
+    bias = onboard.instruments.star_bias**2 / motion.fixes
+    for at in range(STAR_BIAS, STAR_BIAS + 3):
+        share = bias / max(memory.considered[at], 1e-30)
+        reconsider(at, bias, min(share, 1.0), memory)
     up = unit(take3(solution.r_I, 0))
     for i in range(3):
         clear_row(row)

@@ -23,6 +23,7 @@ from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     explained_by,
     outlier,
     predicted_variance,
+    reconsider,
     refused_again,
     update_by_reading,
 )
@@ -72,10 +73,10 @@ def find_outlier(params, n_beams, present, healthy, memory):
                     common = explained_by(memory.rows[j], memory.product)
                     common += dot(v, take3(memory.rows[j], VELOCITY))
                     spread[i, j] = spread[j, i] = common
-    wrong, factor = outlier(params.gate, n_beams, spread, rest)
+    wrong, memory.doubted = outlier(params.gate, n_beams, spread, rest)
     for i in range(n_beams):
         if present >> i & 1:
-            memory.noise[i] *= factor
+            memory.noise[i] *= memory.doubted
     return wrong
 
 
@@ -152,6 +153,10 @@ def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
     used, wrong, tried, against, least = update_by_beams(
         params, n_beams, locked, health.beam_speed, up, memory=memory, deviations=deviations
     )
+    if memory.doubted > 1.0:
+        # the solution follows the mean of the beams instead of the motion since an earlier one
+        for i in range(VELOCITY, VELOCITY + 3):
+            memory.covariance[i, i] += FOLLOWED * memory.doubted * onboard.instruments.speed_sigma**2
     if tried > 1:  # a single beam may be wrong itself
         memory.speeds_refused = refused_again(memory.speeds_refused, against, tried)
     if memory.speeds_refused >= params.patience:
@@ -161,8 +166,12 @@ def update_by_speeds(params, onboard, health, radar, antenna, solution, memory):
     return used, wrong
 
 
+#: Variance of the velocity that is added in each look with doubted speeds, over the variance of a speed.
+FOLLOWED = 0.003
 #: Number of ranges that a plane always fits, as it has a height and two slopes.
 PLANE = 3
+#: Horizontal distance (m) from which on relief is the same: wider relief is the slope of the plane.
+WIDEST = 400.0
 
 
 @kernel
@@ -183,12 +192,17 @@ def range_row(u, up, normal, lever, steepness, reach, radius, beam, row):
 
 
 @kernel
-def range_noise(params, instruments, reach, steepness, off):
-    """Noise variance (m2) of a range: of the instrument, and of the relief over the horizontal distance
-    ``off`` (m) to the spot.
+def consider_relief(params, instruments, steepness, off, at, memory):
+    """Set the variance (m2) of the considered error ``at`` of a range: bias of the beam, and relief over the
+    horizontal distance ``off`` (m) to the spot, with a Hurst exponent of 3/4.
+
+    Looks from almost the same place meet the same relief, which no mean over looks reduces. It changes as the
+    vehicle descends and the spot moves inwards: the error is a share of the one before, and new relief.
     """
-    own = instruments.range_sigma + instruments.range_sigma_relative * reach
-    return own**2 + params.terrain_change**2 * off / (1000.0 * steepness * steepness)
+    way = min(off, WIDEST) / 1000.0
+    variance = instruments.range_bias**2 + params.relief**2 * way * sqrt(way) / steepness**2
+    share = min(variance / max(memory.considered[at], 1e-12), 1.0)
+    reconsider(at, variance, share * sqrt(share), memory)
 
 
 @kernel
@@ -204,7 +218,8 @@ def expect_ranges(params, onboard, radar, antenna, normal, memory):
         if radar.locked[beam] != 0 and -dot(u, normal) > STEEPEST:
             reach, steepness, off = expected_range(u, up, normal, height, radius)
             memory.innovation[beam] = radar.range[beam] - reach
-            memory.noise[beam] = range_noise(params, instruments, reach, steepness, off)
+            memory.noise[beam] = (instruments.range_sigma + instruments.range_sigma_relative * reach) ** 2
+            consider_relief(params, instruments, steepness, off, RANGE_BIAS + beam, memory=memory)
             range_row(
                 u, up, normal, lever, steepness, reach=reach, radius=radius, beam=beam, row=memory.rows[beam]
             )

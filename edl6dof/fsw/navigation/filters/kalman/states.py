@@ -73,6 +73,7 @@ ERROR_STATE = record(
     ("ranges_refused", COUNT),
     ("plane_seen", FLAG),  # whether three ranges have agreed
     ("speeds_refused", COUNT),
+    ("doubted", "f8"),  # factor on the noise of the last look, as a reading is wrong but not identified
     ("fixes_refused", COUNT),
     # workspace
     ("transition", "f8", (MOVING, ACTING)),
