@@ -26,7 +26,7 @@ from math import ceil
 import numpy as np
 
 #: Part of the values of the constants that is called the worst.
-WORST = 0.1
+_WORST = 0.1
 #: Flights for each term of the regression, and groups of flights that are predicted from the others.
 _FLIGHTS_PER_TERM, _GROUPS = 20, 5
 
@@ -70,13 +70,13 @@ def separate(constants: np.ndarray, margins: np.ndarray) -> Separation | None:
     predicted = _predicted(_terms(constants, int(np.sum(has))), margins, has)
     # the worst tenth of each group: one with good results makes the predictions of all others better
     groups = [np.arange(first, len(margins), _GROUPS) for first in range(_GROUPS)]
-    chosen = [rows[np.argsort(predicted[rows])[: ceil(WORST * len(rows))]] for rows in groups]
+    chosen = [rows[np.argsort(predicted[rows])[: ceil(_WORST * len(rows))]] for rows in groups]
     worst = np.concatenate(chosen)
     # the errors of the predictions spread them, but are not correlated with the margins
     (own, both), (_, spread) = np.cov(margins[has], predicted[has])
     kept = max(both, 0.0) / spread
     centred = predicted - predicted.mean()
-    moved = margins - kept * centred + np.sqrt(kept) * np.quantile(centred, WORST)
+    moved = margins - kept * centred + np.sqrt(kept) * np.quantile(centred, _WORST)
     failures, moved_failures = (int(np.sum(each < 0.0)) for each in (margins[worst], moved))
     return Separation(max(float(both / own), 0.0), len(worst), failures, moved_failures)
 
