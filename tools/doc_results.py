@@ -1,4 +1,4 @@
-"""Measured results and pictures in the documents: which are out of date, and how to renew them.
+"""Measured results in the documents: which are out of date, and how to renew them.
 
     python tools/doc_results.py                # list the results; exit status 1 if any is out of date
     python tools/doc_results.py --renew TEXT   # run the commands that contain TEXT ('': all out of date)
@@ -9,11 +9,9 @@ A result stands below a remark that names the command, the golden flights it dep
     <!-- measured by `edl6dof figures tianwen1 | head -36` on tianwen1 0a1b2c3d -->
 
 The hash is that of the telemetry and figures of these flights (``edl6dof/data/golden``): it changes when the
-code flies differently, and not when a function moves to another file.  A picture stands below such a remark
-that begins with ``drawn by``; it also depends on the code that draws it (``replay`` or ``report``).
-``--renew`` replaces what follows by
+code flies differently, and not when a function moves to another file.  ``--renew`` replaces what follows by
 the output of the command: a block of the language ``text``, or Markdown from ``<!-- markdown -->`` to
-``<!-- /measured -->``.  Other results are renewed by hand.
+``<!-- /measured -->``.  Other results are renewed by hand; pictures are made by ``tools/pictures.py``.
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 _GOLDEN = ROOT / "edl6dof" / "data" / "golden" / "hashes.json"
 _REMARK = re.compile(
-    r"<!-- (?:measured|drawn) by `(?P<command>[^`]+)` "
+    r"<!-- measured by `(?P<command>[^`]+)` "
     r"on (?P<flights>\w[\w/]*(?:, \w[\w/]*)*) (?P<hash>[0-9a-f]{8}) -->\n"
     r"(?:(?P<open>```text\n|<!-- markdown -->\n).*?(?P<close>^```\n|^<!-- /measured -->\n))?",
     flags=re.DOTALL | re.MULTILINE,
@@ -51,23 +49,21 @@ class Result(NamedTuple):
     generated: bool
 
 
+def golden_hashes() -> dict[str, dict[str, str]]:
+    """Hashes of each golden flight, by its name."""
+    found: dict[str, dict[str, str]] = json.loads(_GOLDEN.read_text(encoding="utf-8"))
+    return found
+
+
 def flights_hash(names: str) -> str:
-    """Hash of golden flights and of folders of the package, named with commas between them, or ``all``.
+    """Hash of golden flights, named with commas between them, or ``all``.
 
     Raises:
-        KeyError: a name is no golden flight and no folder.
+        KeyError: a name is no golden flight.
     """
-    golden = json.loads(_GOLDEN.read_text(encoding="utf-8"))
-    golden |= {name: _sources(name) for name in ("replay", "report") if name in names.split(", ")}
+    golden = golden_hashes()
     chosen = golden if names == "all" else {name: golden[name] for name in names.split(", ")}
     return hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:8]
-
-
-def _sources(folder: str) -> dict[str, str]:
-    """Text of every source file in a folder of the package."""
-    package = ROOT / "edl6dof"
-    files = sorted((package / folder).rglob("*.py"))
-    return {str(path.relative_to(package)): path.read_text(encoding="utf-8") for path in files}
 
 
 def pages() -> list[Path]:

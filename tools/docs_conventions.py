@@ -1,14 +1,14 @@
-"""Draw docs/conventions.webp, the figure of frames, angles, signs and heights.
+"""Draw the figure of frames, angles, signs and heights.
 
-    python tools/docs_conventions.py
+    python tools/docs_conventions.py FILE
 
 The kernels of ``edl6dof.spatial.frames`` give the directions of the body axes.
 """
 
 from __future__ import annotations
 
+import sys
 from math import cos, radians, sin
-from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -18,7 +18,6 @@ from matplotlib.patches import Arc, Circle
 from edl6dof.spatial.frames import attitude_from_wind_angles
 from edl6dof.spatial.quaternion import axes
 
-FIGURE = Path(__file__).resolve().parents[1] / "docs" / "conventions.webp"
 BODY, PATH, WORLD, MARK = "#1f5fbf", "#c2410c", "#3f3f46", "#15803d"
 #: Flight to the north, in north-east-down components.
 NORTH, UP = (1.0, 0.0, 0.0), (0.0, 0.0, -1.0)
@@ -223,7 +222,7 @@ def main() -> None:
     landing = (show_crossrange, show_lander, show_roll, show_heights)
     for show, ax in zip((*entry, *landing), panels.flat, strict=True):
         show(ax)
-    figure.savefig(FIGURE, dpi=100, pil_kwargs={"quality": 85})
+    figure.savefig(sys.argv[1], dpi=100)
 
 
 if __name__ == "__main__":

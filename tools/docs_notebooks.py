@@ -1,10 +1,10 @@
 """Notebooks of the documentation: docs/notebooks/NAME.py, text in cells (``# %%``), as pages of the site and
 as .ipynb.
 
-    python tools/docs_notebooks.py FOLDER        writes them there as .ipynb
-    python tools/docs_notebooks.py --pictures    runs them and draws docs/notebooks/NAME.webp anew
+    python tools/docs_notebooks.py FOLDER            writes them there as .ipynb
+    python tools/docs_notebooks.py --picture NAME    runs notebook NAME and draws its figure, NAME.png
 
-The pages show the picture that is kept, so that building the site flies nothing.
+The pages show the picture that is kept (``tools/pictures.py``), so that building the site flies nothing.
 """
 
 from __future__ import annotations
@@ -80,36 +80,32 @@ def pages() -> dict[str, str]:
 
 
 def draw(name: str) -> None:
-    """Run a notebook in an empty folder and keep its picture."""
+    """Run a notebook in an empty folder, and draw its figure here."""
     import matplotlib
-    from PIL import Image
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    kept = FOLDER / f"{name}.webp"
+    here = Path.cwd()
 
     def keep() -> None:
-        pyplot.savefig("picture.png", dpi=130)
-        Image.open("picture.png").convert("RGB").save(kept, quality=85)
+        pyplot.savefig(here / f"{name}.png", dpi=130)
         pyplot.close("all")
 
     pyplot.show = keep
-    before = Path.cwd()
     with TemporaryDirectory() as folder:
         os.chdir(folder)
         exec(compile(source(name), f"{name}.py", "exec"), {"__name__": name})
-        os.chdir(before)
+        os.chdir(here)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folder", nargs="?", type=Path)
-    parser.add_argument("--pictures", nargs="*", metavar="NAME", choices=NAMES)
+    parser.add_argument("--picture", metavar="NAME", choices=NAMES)
     options = parser.parse_args()
-    drawn = NAMES if options.pictures == [] else options.pictures or ()
-    for name in sorted(drawn, key=lambda name: name != "write_a_law"):  # a plugin comes before what it joins
-        draw(name)
+    if options.picture:
+        draw(options.picture)
     if options.folder:
         options.folder.mkdir(parents=True, exist_ok=True)
         for name in NAMES:

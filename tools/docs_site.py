@@ -21,7 +21,6 @@ ROOT = Path(__file__).resolve().parents[1]
 COPIES = {
     "contributing.md": "CONTRIBUTING.md",
     "changelog.md": "CHANGELOG.md",
-    "assets/modulation.png": ".assets/modulation.png",
 }
 
 #: The page about the reference, and a link to the program of a notebook.
@@ -43,16 +42,13 @@ def on_files(files: Any, config: Any) -> Any:
     for name in NAMES:
         files.append(File.generated(config, f"notebooks/{name}.ipynb", content=notebook(name)))
     for path, source in COPIES.items():
-        content = (ROOT / source).read_bytes()
-        files.append(
-            File.generated(config, path, content=_from_root(content) if path.endswith(".md") else content)
-        )
+        files.append(File.generated(config, path, content=_from_root((ROOT / source).read_text("utf-8"))))
     return files
 
 
-def _from_root(content: bytes) -> str:
+def _from_root(content: str) -> str:
     """A page of the repository's root as it reads from inside docs/."""
-    return content.decode().replace("](docs/", "](")
+    return content.replace("](docs/", "](")
 
 
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:

@@ -1,7 +1,7 @@
 """Pulse-width modulation, duty against delivered impulse: the tables and the picture of docs/modulation.md.
 
     python tools/modulation.py                      # ten seconds: the law, and the nominal flight
-    python tools/modulation.py --figure .assets/modulation.png
+    python tools/modulation.py --figure modulation.png
     python tools/modulation.py -n 100               # also the figures of 100 dispersed flights
 
 The law is measured on the kernels themselves: steady duties go through modulator and valve.  In the flight

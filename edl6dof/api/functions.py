@@ -289,6 +289,7 @@ def replay(
     screenshot: str | Path | None = None,
     at_s: float | None = None,
     page: str = "",
+    case: int | None = None,
     video: str | Path | None = None,
     start_s: float | None = None,
     end_s: float | None = None,
@@ -306,6 +307,7 @@ def replay(
         screenshot: picture (PNG) to write instead.
         at_s: time of the picture, s.
         page: page to show first.
+        case: number of the case of a campaign to fly again and to follow.
         video: film (MP4) to write instead.
         start_s: first time of the film, s.
         end_s: last time of the film, s.
@@ -329,7 +331,15 @@ def replay(
     film = Film(video, start_s, end_s, length_s, fps)
     with needing_channels(*folders):
         return show_replay(
-            folders, film, web=web, html=html, screenshot=screenshot, at_s=at_s, page=page, force=force
+            folders,
+            film,
+            web=web,
+            html=html,
+            screenshot=screenshot,
+            at_s=at_s,
+            page=page,
+            case=case,
+            force=force,
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os.path import lexists
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from edl6dof.api.campaign import refly_case
 from edl6dof.api.flight import REPLAY, RecordedFlight
 from edl6dof.api.progress import count_runs
 from edl6dof.campaign.design.plan import Plan
@@ -21,21 +22,22 @@ from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.replay import browser, viewer
-from edl6dof.replay.history import thin, vector
-from edl6dof.replay.pages import TITLES, TOUR
+from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.pages import CAMPAIGN, TITLES, TOUR
 from edl6dof.replay.recording import history, recorded_span, write_replay
-from edl6dof.replay.scene.tracks import Ensemble, Trajectory
+from edl6dof.replay.scene.ensemble import Ensemble, Trajectory, Worst
+from edl6dof.report.campaign.campaign_results import Results
+from edl6dof.report.document import printed, significant
 from edl6dof.runs.files import atomic_file, distinct_names, refuse_existing_file
 from edl6dof.runs.run import Run
 from edl6dof.sim.flight import Flight, fly
 
 #: Flight of a campaign that is followed if none is named.
-NOMINAL = (
-    "the nominal flight, in which nothing is dispersed and nothing fails: the cases are spread about it. It "
-    "is none of them; to follow another flight, name its run folder after the campaign's."
-)
-#: Cases of a campaign that are drawn, for more would hide each other, and the rows of each, Hz.
+NOMINAL = "in which nothing is dispersed and nothing fails; it is none of the cases."
+#: Cases of a campaign that are drawn beside the worst, for more would hide each other, and rows of each, Hz.
 MOST_CASES, RATE_HZ = 2000, 0.5
+#: Worst cases that are marked.
+MOST_WORST = 6
 #: Frames of a film per second by default.
 FPS = 24.0
 
@@ -67,6 +69,7 @@ def show_replay(
     screenshot: Path | None,
     at_s: float | None,
     page: str,
+    case: int | None,
     force: bool,
 ) -> list[Path]:
     """Show a replay or write it; return the paths written.  See :func:`edl6dof.replay` for the arguments.
@@ -94,7 +97,7 @@ def show_replay(
     if video.file is not None:
         viewer.encoder()  # or the flight would be drawn in vain
     bare = html is None and (video.file is not None or (screenshot is not None and page == TOUR))
-    with ended_by_signals(), _recording(runs, page, bare) as recording:
+    with ended_by_signals(), _recording(runs, page, case, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
@@ -132,36 +135,63 @@ def ended_by_signals() -> Iterator[None]:
 
 
 @contextmanager
-def _recording(runs: Sequence[Path], page: str, bare: bool = False) -> Iterator[Path]:
+def _recording(
+    runs: Sequence[Path], page: str, case: int | None = None, bare: bool = False
+) -> Iterator[Path]:
     """Provide the recording of the flight if it is sufficient, otherwise a new temporary one; if ``bare``,
     without the viewer's controls.
 
-    A campaign comes first; the flights after it, or its nominal one, are shown among its trajectories.
+    A campaign comes first; one of its cases, the flights after it, or its nominal flight are shown among its
+    trajectories.
     """
     alone = runs[0]
+    plan = resumed_plan(Store(alone)) if lexists(alone / "campaign.json") else None
+    if case is not None and plan is None:
+        raise refusal("--case", f"needs the folder of a campaign, named first (got {alone})")
     if len(runs) == 1 and alone.is_file():
         yield alone
         return
     if len(runs) == 1 and (alone / REPLAY).is_file() and not (page or bare):
         yield Run(alone).file(REPLAY)
         return
-    plan = resumed_plan(Store(alone)) if lexists(alone / "campaign.json") else None
     named = runs[1 if plan else 0 :]
-    flights = [history(RecordedFlight(folder)) for folder in named]
-    if not flights and plan is not None:
-        flights = [history(fly(plan.loaded))]
-    if not all(len(flight.t) for flight in flights):
-        raise refusal(alone, "no row of the telemetry can be drawn")
-    labels = distinct_names(named)
-    ensemble = None
+    labels, flights = distinct_names(named), [history(RecordedFlight(folder)) for folder in named]
+    words, ensemble = "the first run named after the campaign.", None
     if plan is not None:
-        followed = f"{labels[0]}, the first run named after the campaign." if labels else NOMINAL
-        labels, ensemble = labels or ["nominal flight"], Ensemble(trajectories(plan), followed)
+        if case is not None or not named:
+            label, flight, words = _flown_again(alone, plan, case)
+            labels, flights = [label, *labels], [flight, *flights]
+        ensemble = _ensemble(alone, plan, f"{labels[0]}, {words}")
     elif len(flights) == 1:
         labels = []
+    if not all(len(flight.t) for flight in flights):
+        raise refusal(alone, "no row of the telemetry can be drawn")
     with TemporaryDirectory(prefix="edl6dof-") as folder:
-        write_replay(flights, Path(folder) / REPLAY, labels, page or "Flight", ensemble, bare)
+        front = CAMPAIGN if words is NOMINAL else "Flight"
+        write_replay(flights, Path(folder) / REPLAY, labels, page or front, ensemble, bare)
         yield Path(folder) / REPLAY
+
+
+def _flown_again(folder: Path, plan: Plan, case: int | None) -> tuple[str, History, str]:
+    """Fly a case of a campaign again, or the nominal flight; return name, flight and a text about it.
+
+    Raises:
+        ConfigError: there is no such case.
+    """
+    if case is None:
+        return "nominal", history(fly(plan.loaded)), NOMINAL
+    flight = refly_case(plan, Store(folder).table(), folder, case)
+    differs = ", ".join(flight.differences)
+    words = f"differs from its row in {differs}" if differs else "identical to its row"
+    return f"case {case}", history(flight), f"flown again, {words}."
+
+
+def _ensemble(folder: Path, plan: Plan, followed: str) -> Ensemble:
+    """Return the cases of a campaign for the replay; ``followed``: text on the flight that is followed."""
+    results = Results(folder)
+    worst = worst_cases(results)
+    drawn = {*results.cases[:MOST_CASES].tolist(), *(one.case for one in worst)}
+    return Ensemble(trajectories(plan, drawn), worst, followed)
 
 
 def _time(recording: Path, option: str, asked_s: float | None) -> float:
@@ -175,18 +205,32 @@ def _time(recording: Path, option: str, asked_s: float | None) -> float:
     return asked_s
 
 
-def trajectories(plan: Plan) -> list[Trajectory]:
-    """Fly the cases of a campaign again for their trajectories, in order; a case that could not fly has none.
+def worst_cases(results: Results) -> list[Worst]:
+    """Return the cases nearest to a limit or farthest beyond it, at most one for each limit."""
+    found = []
+    for figure, limit in results.limits:
+        for row in results.nearest(figure, 1).tolist():
+            value, unit = float(results[figure.name][row]), printed(figure.unit.label)
+            shown, bound = (f"{significant(one)} {unit}".rstrip() for one in (value, limit))
+            used = figure.used(value, limit)
+            found.append(Worst(int(results.cases[row]), figure.meaning, shown, bound, used))
+    return sorted(found, key=lambda one: -one.used)[:MOST_WORST]
+
+
+def trajectories(plan: Plan, cases: Collection[int]) -> list[Trajectory]:
+    """Fly cases of a campaign again for their trajectories, in order; a case that could not fly has none.
 
     A campaign keeps one row of each case, and every case repeats exactly.
     """
-    count = min(plan.count, MOST_CASES)
+    again = (case for case in plan.cases(0, max(cases, default=-1) + 1) if case.index in cases)
     found = []
     with count_runs("cases flown again") as progress:
-        for done, row in enumerate(fly_rows(plan.loaded, plan.cases(0, count), collect=_places), start=1):
-            progress(done, count)
+        for done, row in enumerate(fly_rows(plan.loaded, again, collect=_places), start=1):
+            progress(done, len(cases))
             if "places" in row:
-                found.append(Trajectory(row["places"], "" if row["success"] else str(row["cause"])))
+                cause = "" if row["success"] else str(row["cause"])
+                landed = bool(np.isfinite(row.get("landing_east_m", np.nan)))
+                found.append(Trajectory(row["case"], row["places"], cause, landed))
     return found
 
 

@@ -42,10 +42,14 @@ def replay(
         str,
         option(
             "NAME",
-            "Page to show first: Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
+            "Page to show first: Campaign, Flight, Entry, Parachute, 'Powered descent', Hazards, Control, "
             "Navigation, Thrusters, Tour.",
         ),
     ] = "",
+    case: Annotated[
+        int | None,
+        option("K", "Case of a campaign to fly again and to follow; the nominal flight if not given."),
+    ] = None,
     tour: Annotated[bool, flag("Show page Tour first: cameras that follow the stages.", "--tour")] = False,
     video: Annotated[
         Path | None, option("FILE", "Write a film (MP4) of the page; needs ffmpeg or the extra 'video'.")
@@ -78,6 +82,7 @@ def replay(
                 screenshot=screenshot,
                 at_s=at,
                 page=page or ("Tour" if tour else ""),
+                case=case,
                 video=video,
                 start_s=start,
                 end_s=end,

@@ -35,7 +35,7 @@ from edl6dof.fsw.external import (
     replace_torque,
 )
 from edl6dof.fsw.guidance.phase_guidance import guide, switch_engine
-from edl6dof.fsw.mission import G_AVOID, sequence
+from edl6dof.fsw.mission import G_AVOID, G_ENTRY, G_HOLD_BANK, sequence
 from edl6dof.fsw.modulation import (
     close_for_test,
     command_valves,
@@ -44,8 +44,9 @@ from edl6dof.fsw.modulation import (
     open_alone,
     open_for_test,
 )
-from edl6dof.fsw.navigation.derived import derive, filter_drag
+from edl6dof.fsw.navigation.derived import derive, expected_wind, filter_drag
 from edl6dof.fsw.navigation.update import estimate_state
+from edl6dof.fsw.navigation.wind_estimate import estimate_wind
 from edl6dof.fsw.vehicle_state import count_propellant, follow_events, share_thrust
 from edl6dof.interface.effectors import ENGINE_OFF
 from edl6dof.kernels import kernel
@@ -56,6 +57,7 @@ WRITERS = {
     "navigation": ("estimate_state", "replace_estimate"),
     "nav": ("derive", "filter_drag"),
     "drag_filter": ("filter_drag",),
+    "wind": ("estimate_wind",),
     "mission": ("sequence",),
     "vehicle": ("follow_events", "count_propellant", "believe_thrust", "run"),
     "hazard": ("detect_hazards",),
@@ -137,13 +139,17 @@ def run(functions, onboard, sensed, k, fsw):
     # navigation
     estimate_state(filters, onboard, state, sensed, fsw.navigation)
     replace_estimate(external, fsw.navigation.estimate)
-    derive(onboard.planet, onboard.atmosphere, vehicle, onboard.site.frame, fsw.navigation.estimate, nav=nav)
+    site, estimate_now, wind = onboard.site.frame, fsw.navigation.estimate, fsw.wind
+    derive(onboard.planet, onboard.atmosphere, vehicle, site, estimate_now, wind=wind, nav=nav)
     filter_drag(onboard.navigation.drag_filter, onboard.atmosphere, vehicle, nav, fsw.drag_filter)
     if onboard.mission.n_phases == 0:
         return
+    guided_by = onboard.mission.phases[fsw.mission.phase].guidance
+    if guided_by == G_ENTRY or guided_by == G_HOLD_BANK:
+        expected = expected_wind(onboard.atmosphere, nav.altitude)
+        estimate_wind(onboard.navigation.wind, vehicle, expected, nav, wind)
 
     # mission phases
-    guided_by = onboard.mission.phases[fsw.mission.phase].guidance
     sequence(onboard.mission, nav, vehicle=state, guide=goal, memory=fsw.mission, request=command.request)
     phase, command.phase = onboard.mission.phases[fsw.mission.phase], fsw.mission.phase
     follow_events(vehicle, onboard.mission, nav.t, command.request, state)

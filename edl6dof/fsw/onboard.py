@@ -42,6 +42,7 @@ from edl6dof.fsw.navigation.derived import DRAG_FILTER, NAV
 from edl6dof.fsw.navigation.filters.registry import NavigationParams
 from edl6dof.fsw.navigation.instruments import INSTRUMENTS
 from edl6dof.fsw.navigation.update import NAVIGATION
+from edl6dof.fsw.navigation.wind_estimate import WIND_ESTIMATE
 from edl6dof.fsw.vehicle_state import ENGINE_ABILITY, HEALTH, VEHICLE_STATE
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_PARACHUTES, MAX_PARTS, MAX_THRUSTERS
 from edl6dof.interface.command import COMMAND, EXTERNAL
@@ -281,6 +282,7 @@ FSW = record(
     ("check_out", CHECK_OUT_MEMORY),
     ("navigation", NAVIGATION),
     ("drag_filter", DRAG_FILTER),
+    ("wind", WIND_ESTIMATE),
     ("effectiveness", EFFECTIVENESS),
     ("allocation", ALLOCATION),
     ("modulation", MODULATION),

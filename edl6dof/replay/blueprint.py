@@ -12,6 +12,7 @@ from edl6dof.replay.charts import frames, legend, legend_share, shown
 from edl6dof.replay.history import History
 from edl6dof.replay.lanes import Lanes
 from edl6dof.replay.scene.arrows import scales
+from edl6dof.replay.scene.ensemble import Ensemble
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.report.catalogue import Plot
 
@@ -24,14 +25,19 @@ TRAIL_S = 60.0
 SPACE = (10, 9, 12)
 #: Entities that only other views show.
 _FRAMES = ("near", "vehicle/attitude_frame")
-#: Legend of the hazard map, beams of the radar, and these with the rays of the lidar.
+#: Legend of the hazard map, beams of the radar, and what a film leaves out: these, hazard map and lidar.
 _KEY, _BEAMS = "hazards/legend", "vehicle/beams"
-_AIDS = (_BEAMS, "hazards/rays")
+_AIDS = (_BEAMS, "hazards")
 _NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", _KEY, *_FRAMES)
 #: Entities that belong to one camera alone.
 _OWN = ("camera/scale_bar",)
 _NOT_SITE = (*_FRAMES, "path", "markers", "labels", _BEAMS, *_OWN)
 _NOT_AFAR = ("vehicle/failed", *_FRAMES, "sky", "labels", _KEY, _BEAMS, *_OWN)
+#: Entities that are hidden where only places on the ground are shown.
+_FLYING = (
+    *("campaign/paths", "path", "trail", "drop_line", "ground_track", "ground/rings"),
+    *("markers/vehicle", "camera"),
+)
 
 
 class Layout:
@@ -39,6 +45,7 @@ class Layout:
 
     Attributes:
         labels, roots: name of each flight (empty if there is only one), and root entity of what it alone has.
+        plotted: names of the flights in legends of plots; empty for a single one among a campaign's.
         start, end, deploy: first and last place, and that of the parachute deployment if any, m in L.
         span, spans: first and last time (s) of the flights, and by page of each page that shows only a part.
         plots: the plots that have data, by key.
@@ -52,8 +59,8 @@ class Layout:
         flights: Sequence[History],
         motion: Motion,
         recording: rr.RecordingStream,
-        labels: Sequence[str],
-        ensemble: bool,
+        labels: Sequence[str] = (),
+        ensemble: Ensemble | None = None,
     ) -> None:
         import rerun.blueprint as rrb
 
@@ -69,7 +76,8 @@ class Layout:
         self.spans = pages.spans_of(self.span, self.flight.when)
         self.plots = {plot.key: plot for plot in shown(self.flight)}
         every = {"Flight": self.span, **self.spans}
-        self.frames = frames(flights, every, self.labels)
+        self.plotted = self.labels if len(self.labels) > 1 else ("",)
+        self.frames = frames(flights, every, self.plotted)
         self.lanes = Lanes(self.flight, motion, recording).labels(every) if drawable else {}
         self.scales = scales(self.flight, motion) if len(motion.t) > 2 else ""
 
@@ -86,6 +94,7 @@ class Layout:
         )
         tour = self._tour()
         possible = (
+            (self._campaign, self.ensemble is not None),
             (self._flight, True),
             (self._entry, True),
             (self._parachute, self.deploy is not None),
@@ -113,10 +122,14 @@ class Layout:
     def _text(self, name: str, **more: Any) -> rrb.TextDocumentView:
         return self.rrb.TextDocumentView(origin=f"/{name.lower()}", name=name, **more)
 
+    def _campaign(self) -> rrb.Container:
+        """Page on a campaign: all trajectories, the landing footprint from above, and the legend."""
+        paths = self.rrb.Vertical(self._whole(), self._descent(), row_shares=[1, 1])
+        views = (paths, self._footprint(), self._text(pages.CAMPAIGN))
+        return self.rrb.Horizontal(*views, column_shares=pages.SHARES[pages.CAMPAIGN], name=pages.CAMPAIGN)
+
     def _flight(self) -> rrb.Container:
         rrb, readout = self.rrb, self._text("Readout")
-        if self.ensemble:
-            readout = rrb.Vertical(self._text("Campaign"), readout)
         afar = [] if self.deploy is None else [self._descent()]
         around = rrb.Tabs(*afar, self._whole(), self._globe(), active_tab=0)
         middle = rrb.Vertical(readout, around, row_shares=[5, 2])
@@ -219,7 +232,7 @@ class Layout:
         before its legend.
         """
         rrb, near, fitted = self.rrb, pages.AROUND_NOW.get(page), self.frames.get((page, plot.key))
-        names = [name for label in self.labels for name in legend(plot, label)]
+        names = [name for label in self.plotted for name in legend(plot, label)]
         until = (1.0 - 2.0 * legend_share(page, count, names)[0] * (len(names) > 1)) * (near or 0.0)
         return rrb.TimeSeriesView(
             origin="/plots",
@@ -312,7 +325,13 @@ class Layout:
         """The vehicle with its frames and forces."""
         name = f"Body and forces: {self.scales}" if self.scales else "Body and frames"
         place = pages.body_eye(self.start, self.end, self.motion.shape.size)
-        return self._scene(name, "/site/near", ["/site/vehicle/**", "/site/near/**"], place, np.zeros(3))
+        return self._scene(
+            name,
+            "/site/near",
+            ["/site/vehicle/**", "/site/near/**", f"- /site/{_BEAMS}/**"],
+            place,
+            np.zeros(3),
+        )
 
     def _whole(self) -> rrb.Spatial3DView:
         """The whole flight from the side, a little from above."""
@@ -333,6 +352,16 @@ class Layout:
         middle, up = start + 0.5 * along, np.array([0.0, 0.0, length])
         place, target = middle - off * length * side + above * up, middle - below * up
         return self._view(name, "/site", _NOT_AFAR, place, target, ["target"])
+
+    def _footprint(self) -> rrb.Spatial3DView:
+        """The landing points of a campaign and the site, from above, north up."""
+        assert self.ensemble is not None
+        points = np.append(self.ensemble.landings, np.zeros((1, 3)), axis=0)
+        low, high = points.min(axis=0), points.max(axis=0)
+        middle, height = 0.5 * (low + high), 1.5 * float((high - low)[:2].max()) + 1e3
+        place = middle + [0.0, -0.02 * height, height]
+        hidden = (*_NOT_AFAR, *_FLYING)
+        return self._view("Landing footprint", "/site", hidden, place, middle, ["target", "worst/**"])
 
     def _landing(self) -> rrb.Spatial3DView:
         """The last kilometre, from the side."""

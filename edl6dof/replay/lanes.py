@@ -283,12 +283,14 @@ class Readout(Recorder):
     def _colours(self) -> list[tuple[str, str]]:
         """Things and their colours."""
         flight, kinds = self.flight, {one.kind for one in self.flight.instruments}
+        procedural = "" if self.motion.site.relief.detailed else "; craters and ripples are decoration"
         path = "each flight's own" if self.label else "of the phase, as in its lane"
         known = [
             (True, "path and trail", path),
             (True, "axes x, y, z", "red, green, blue; B of the body, V of the velocity"),
             (True, "arrows", "velocity cyan, lift green, thrust amber, disturbance pink"),
             (True, "target, planned ellipse", "cyan"),
+            (True, "ground", f"relief of the simulation{procedural}"),
             (
                 "beam" in kinds,
                 "radar beams, on page Navigation",

@@ -38,7 +38,7 @@ class Live:
     def __init__(self, recording: rr.RecordingStream, planned: Flown) -> None:
         past, self._sink = history(planned), _News(recording)
         motion = Motion(past)
-        self.blueprint = Layout([past], motion, recording, (), ensemble=False).blueprint()
+        self.blueprint = Layout([past], motion, recording).blueprint()
         self._once: list[Recorder] = [Ground(past, motion, self._sink)]
 
     def update(self, flight: Flown) -> None:

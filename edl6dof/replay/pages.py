@@ -12,13 +12,13 @@ from edl6dof.report.palette import BLACK, GREEN, GREY, ORANGE, PURPLE, SERIES, S
 #: Colours of phases, in their order, and of several flights in a recording.
 PHASES = tuple(rgb(colour) for colour in (*SERIES, GREY))
 FLIGHTS = tuple(rgb(colour) for colour in (BLACK, VERMILION, SKY, GREEN, ORANGE, PURPLE))
-#: The pages of powered descent, of the choice of a spot, of flights that navigate with instruments, of the
-#: thrusters, and of the scripted camera.
-POWERED, HAZARDS, NAVIGATION, THRUSTERS, TOUR = (
-    "Powered descent", "Hazards", "Navigation", "Thrusters", "Tour",
+#: The pages of a campaign, of powered descent, of the choice of a spot, of flights that navigate with
+#: instruments, of the thrusters, and of the scripted camera.
+CAMPAIGN, POWERED, HAZARDS, NAVIGATION, THRUSTERS, TOUR = (
+    "Campaign", "Powered descent", "Hazards", "Navigation", "Thrusters", "Tour",
 )  # fmt: skip
 #: All pages, in their order.
-TITLES = ("Flight", "Entry", "Parachute", POWERED, HAZARDS, "Control", NAVIGATION, THRUSTERS, TOUR)
+TITLES = (CAMPAIGN, "Flight", "Entry", "Parachute", POWERED, HAZARDS, "Control", NAVIGATION, THRUSTERS, TOUR)
 _PLOTS: dict[str, tuple[p.Plot, ...]] = {
     "Flight": (p.ALTITUDE, p.SPEED, p.LOAD, p.PROPELLANT),
     "Entry": (p.BANK, p.ALPHA, p.DRAG, p.BETA, p.RANGE, p.CROSSRANGE, p.MACH, p.HEAT, p.PRESSURE),
@@ -41,7 +41,7 @@ AROUND_NOW = {"Control": 60.0, NAVIGATION: 60.0, THRUSTERS: 5.0}
 #: Shares of a page's views from left to right; the plots are the last of them, or on page Thrusters below.
 SHARES = {
     "Flight": (9, 5, 10), "Entry": (5, 8), "Parachute": (11, 8), POWERED: (5, 8), "Control": (2, 5),
-    NAVIGATION: (4, 9), THRUSTERS: (1, 1),
+    NAVIGATION: (4, 9), THRUSTERS: (1, 1), CAMPAIGN: (8, 9, 8),
 }  # fmt: skip
 #: Lanes of every page.
 PHASE, VEHICLE, ENGINE = "Phase", "Vehicle", "Engine"

@@ -25,10 +25,12 @@ from edl6dof.replay.pages import TIMELINE
 from edl6dof.replay.recorder import Recorder
 from edl6dof.replay.scene.arrows import Arrows
 from edl6dof.replay.scene.craft import Descent, Flames, Vehicle
+from edl6dof.replay.scene.ensemble import Ensemble, write_ensemble
 from edl6dof.replay.scene.ground import Ground, NearGround
+from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.poses import Motion
 from edl6dof.replay.scene.sensing import NAVIGATED, Beams, Hazards
-from edl6dof.replay.scene.tracks import Ensemble, Globe, Track, write_ensemble
+from edl6dof.replay.scene.tracks import Globe, Track
 
 #: Writers of the parts of a recording: of the first flight alone, and of every flight.
 OF_FIRST: tuple[type[Recorder], ...] = (Ground, Hazards, charts.PhasePlanes, lanes.Lanes, lanes.Readout)
@@ -70,11 +72,18 @@ def write_replay(
     name = first.name if len(flights) == 1 else " and ".join(labels)
     stream = rr.RecordingStream("edl6dof", recording_id=f"edl6dof-{name}")
     with _failing_as_the_system_says(path), stream as recording:
-        layout = Layout(flights, motions[0], recording, labels, ensemble is not None)
+        layout = Layout(flights, motions[0], recording, labels, ensemble)
         recording.save(str(path), default_blueprint=layout.blueprint(page, bare))
         recording.send_recording_name(f"{name}: {first.outcome}" if len(flights) == 1 else name)
+        plotted = labels if len(flights) > 1 else ()  # the curves of a single flight keep their own colours
         parts = [
-            part(flight, motion, recording, k, labels[k] if labels else "")
+            part(
+                flight,
+                motion,
+                recording,
+                k,
+                "".join((plotted if part is charts.Charts else labels)[k : k + 1]),
+            )
             for k, (flight, motion) in enumerate(zip(flights, motions, strict=True))
             if len(flight.t)
             for part in (OF_EACH if k else (*OF_FIRST, *OF_EACH))
@@ -82,7 +91,7 @@ def write_replay(
         for part in parts:
             part.statics()
         if ensemble is not None:
-            write_ensemble(recording, ensemble)
+            write_ensemble(recording, ensemble, Landscape(motions[0].site, motions[0].last))
         recording.flush()  # otherwise the viewer would find them at the end of the file
         for part in parts:
             part.motions()

@@ -159,6 +159,8 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
             x["matches"] = f"x{_number(column)}"
         if panel.equal:
             y |= {"scaleanchor": f"x{number}", "scaleratio": 1}
+        if panel.heat is not None:  # axes end with the map
+            x["constrain"] = y["constrain"] = "domain"
         layout |= {f"xaxis{number}": x, f"yaxis{number}": y}
         layout["shapes"] += _shapes(panel, number, spans)
         layout["annotations"] += _words(panel, number, spans)

@@ -198,10 +198,11 @@ def _summary(report: Report) -> Iterator[Line]:
     for line in textwrap.wrap(report.headline, 80):
         yield [Words(0.0, line, 10.0, _MOODS[report.mood], bold=True)]
     yield []
-    for first in range(0, len(report.facts), 4):
-        facts = list(enumerate(report.facts[first : first + 4]))
-        yield [Words(k / 4, fact.value, 9.5, _MOODS[fact.mood], bold=True) for k, fact in facts]
-        yield [Words(k / 4, fact.label, colour=GREY) for k, fact in facts]
+    across = 3 if len(report.facts) % 4 else 4
+    for first in range(0, len(report.facts), across):
+        facts = list(enumerate(report.facts[first : first + across]))
+        yield [Words(k / across, fact.value, 9.5, _MOODS[fact.mood], bold=True) for k, fact in facts]
+        yield [Words(k / across, fact.label, colour=GREY) for k, fact in facts]
         yield []
     if report.picture is not None:
         yield from [[]] * PICTURE_ROWS

@@ -19,7 +19,7 @@ from edl6dof.interface.capacities import MAX_PARTS
 from edl6dof.interface.effectors import THRUSTER_GROUPS
 from edl6dof.kernels import kernel
 from edl6dof.scenario.schema import Scenario
-from edl6dof.spatial.elementary import cos, sin
+from edl6dof.spatial.elementary import cos, sin, tan
 from edl6dof.vehicle.aerodynamics.capsule import capsule_aero, capsule_coefficients
 from edl6dof.vehicle.aerodynamics.surfaces import wing_force
 from edl6dof.vehicle.mass import MassParams, Part, Tank, loaded
@@ -34,6 +34,8 @@ BELIEF_MACH = 15.0
 CONTINUUM = 1e-3
 #: Largest difference (rad) of the trim from the commanded angle of attack.
 SEARCH = radians(12.0)
+#: Angle of attack (rad) at which the slope of the side force is taken.
+TILTED = radians(2.0)
 
 
 def believe_vehicle(record: np.void, scenario: Scenario, tables: np.ndarray) -> None:
@@ -115,13 +117,14 @@ def _believe_airframe(record: np.void, scenario: Scenario, tables: np.ndarray) -
     airframe["wing_speed"] = _wing_opens(scenario, "speed_m_s")
     # a point mass flies at the commanded angle
     search = SEARCH if scenario.dynamics == "six_dof" else 0.0
-    alpha, drag_areas, lift_areas, braked = _along_mach(
+    alpha, drag_areas, lift_areas, braked, side = _along_mach(
         vehicle, tables=tables["aero"], gases=gas, nodes=mach_nodes(), goal=goal, search=search
     )
     airframe["alpha"] = alpha
     airframe["drag"] = drag_areas / record["drag_area"]
     airframe["lift"] = lift_areas / drag_areas / ratio if ratio else 1.0
     airframe["drag_with_wing"] = braked / record["drag_area"]
+    airframe["side"], airframe["side_with_wing"], airframe["offset_with_wing"] = side
 
 
 def _wing_opens(scenario: Scenario, quantity: str) -> float:
@@ -138,17 +141,29 @@ def _wing_opens(scenario: Scenario, quantity: str) -> float:
 @kernel
 def _along_mach(vehicles, tables, gases, nodes, goal, search):
     """Angle of attack (rad), drag and lift area (m2) at trim, and drag area with the wing open at zero angle
-    of attack, at each Mach number.
+    of attack, at each Mach number; and slope of the side force at trim, slope and offset with the wing open.
     """
     vehicle, table, gas = vehicles[0], tables[0], gases[0]
     alpha, drag = np.empty(len(nodes)), np.empty(len(nodes))
-    lift, braked = np.empty(len(nodes)), np.empty(len(nodes))
+    lift, braked, side = np.empty(len(nodes)), np.empty(len(nodes)), np.empty((3, len(nodes)))
     for i in range(len(nodes)):
         mach = nodes[i]
         alpha[i] = _trim(vehicle, table, gas, mach, goal, search=search)
         drag[i], lift[i] = _drag_and_lift(vehicle, table, gas, mach, alpha=alpha[i], wing=0.0)
         braked[i], _ = _drag_and_lift(vehicle, table, gas, mach, alpha=0.0, wing=1.0)
-    return alpha, drag, lift, braked
+        tilted = alpha[i] if abs(alpha[i]) > TILTED else TILTED
+        side[0, i] = _side(vehicle, table, gas, mach, alpha=tilted, wing=0.0) / tan(tilted)
+        up = _side(vehicle, table, gas, mach, alpha=TILTED, wing=1.0)
+        down = _side(vehicle, table, gas, mach, alpha=-TILTED, wing=1.0)
+        side[1, i], side[2, i] = 0.5 * (up - down) / tan(TILTED), 0.5 * (up + down)
+    return alpha, drag, lift, braked, side
+
+
+@kernel
+def _side(vehicle, table, gas, mach, alpha, wing):
+    """Ratio of the forces along z and x."""
+    fx, fz, _ = _force_and_moment(vehicle, table, gas, mach, alpha, wing=wing)
+    return fz / fx
 
 
 @kernel

@@ -201,6 +201,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     nav, guide, shown, control = fsw.nav, fsw.guide, tick.guide, tick.control
     tick.nav.mach, tick.nav.alpha, tick.nav.beta = nav.mach, nav.alpha, nav.beta
     tick.nav.total_alpha = nav.total_alpha
+    tick.nav.wind_north, tick.nav.wind_east = nav.wind_N[0], nav.wind_N[1]
     tick.nav.bank, tick.nav.drag, tick.nav.mass = nav.bank, nav.drag, fsw.vehicle.mass
     record_claims(fsw.navigation, tick.nav)
     shown.reference_drag, shown.range_to_go = guide.reference_drag, guide.range_to_go

@@ -8,6 +8,7 @@ from pyquaternion import Quaternion
 
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV, derive
+from edl6dof.fsw.navigation.wind_estimate import WIND_ESTIMATE
 from edl6dof.interface.sensed import SENSED
 
 #: Parts of Tianwen-1 that are gone, a bit for each: heat shield, backshell, parachute pack.
@@ -44,7 +45,7 @@ def nav_state(
     sensed["w_B"], sensed["specific_force_B"] = rate, force
     sensed["height_above_ground"] = altitude - onboard[0]["site"]["altitude"] if height is None else height
     believed = [onboard[0][name] for name in ("atmosphere", "vehicle")]
-    derive(planet, *believed, onboard[0]["site"]["frame"], sensed, nav)
+    derive(planet, *believed, onboard[0]["site"]["frame"], sensed, np.zeros(1, WIND_ESTIMATE)[0], nav)
     return nav
 
 

@@ -47,6 +47,17 @@ def test_ground_without_relief_keeps_its_decoration():
     assert Landscape(site, np.zeros(3)).near() is None
 
 
+def test_rocks_of_the_landing_area_are_in_the_recording(replay):
+    from rerun.chunk import RrdReader
+
+    drawn = [
+        chunk.to_record_batch()
+        for chunk in RrdReader(replay).stream().filter(content=["/site/ground/rocks/**"]).to_chunks()
+    ]
+    names = "InstancePoses3D:translations"
+    assert sum(len(batch.column(names).to_pylist()[0]) for batch in drawn) > 100
+
+
 def test_map_is_painted_where_it_was_seen_from_the_choice_on(flight, replay):
     found = flight.landing_map
     when = {event["key"]: event["t_s"] for event in flight.events}

@@ -31,7 +31,7 @@ def flight(nominal):
 def layout(flight):
     from edl6dof.replay.blueprint import Layout
 
-    return Layout([flight], Motion(flight), rr.RecordingStream("edl6dof"), ("",), False)
+    return Layout([flight], Motion(flight), rr.RecordingStream("edl6dof"), ("",))
 
 
 def views(part: Any) -> Iterator[Any]:
@@ -122,6 +122,6 @@ def test_a_film_has_no_control_of_the_viewer(layout):
     assert (film.time_panel.state, film.top_panel.state) == ("hidden", "hidden")
     seen = list(views(film.root_container))
     assert len(seen) == 2 and all(view.titlebar is False for view in seen)
-    assert "- /site/hazards/rays/**" in seen[0].contents
+    assert "- /site/hazards/**" in seen[0].contents
     assert len(list(views(layout.blueprint("Entry", bare=True).root_container))) > 9
     assert layout.blueprint(pages.TOUR).time_panel.state == "collapsed"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import edl6dof
@@ -18,6 +18,7 @@ from edl6dof.manifest import seal
 from edl6dof.replay import viewer
 from edl6dof.replay.recording import history, write_replay
 from edl6dof.replay.viewer import NoViewer
+from edl6dof.report.campaign.campaign_results import Results
 from edl6dof.runs.files import distinct_names
 from edl6dof.runs.run import write_run
 
@@ -104,20 +105,67 @@ def test_a_time_without_a_picture_is_refused(run, shown):
     assert shown == []
 
 
-def test_a_campaign_says_which_flight_is_followed_and_why(run, tmp_path, monkeypatch):
-    written = []
-    plan = SimpleNamespace(loaded="nominal")
-    (tmp_path / "campaign.json").write_text("{}")
-    monkeypatch.setattr(replays, "resumed_plan", lambda _: plan)
-    monkeypatch.setattr(replays, "trajectories", lambda _: [])
-    monkeypatch.setattr(replays, "fly", lambda _: RecordedFlight(run))
-    monkeypatch.setattr(replays, "write_replay", lambda *given: written.append(given))
-    for runs in ((tmp_path,), (tmp_path, run)):
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory) -> Path:
+    """The folder of a campaign of three flights of 12 s."""
+    folder = tmp_path_factory.mktemp("campaign")
+    (folder / "three.yaml").write_text(
+        "extends: tianwen1\nname: three\nsimulation: {time_limit_s: 12}\n"
+        "campaign: {cases: 3, seed: 4, truth: {initial.speed_m_s: {kind: normal, three_sigma: 6.0}}}\n",
+        encoding="utf-8",
+    )
+    edl6dof.campaign(folder / "three.yaml", out=folder / "runs")
+    return folder / "runs"
+
+
+@pytest.fixture
+def written(monkeypatch) -> list[tuple]:
+    """What would have been written as a recording: the arguments of each call."""
+    given: list[tuple] = []
+    monkeypatch.setattr(replays, "write_replay", lambda *words: given.append(words))
+    return given
+
+
+def test_a_campaign_says_which_flight_is_followed_and_why(run, campaign, written):
+    for runs in ((campaign,), (campaign, run)):
         with replays._recording(runs, ""):
             pass
-    (_, _, alone, _, told, _), (_, _, named, _, other, _) = written
-    assert alone == ["nominal flight"] and told.followed.startswith("the nominal flight, in which nothing")
-    assert named == ["short"] and other.followed == "short, the first run named after the campaign."
+    (_, _, alone, front, told, _), (_, _, named, beside, other, _) = written
+    assert (alone, front) == (["nominal"], "Campaign")
+    assert told.followed.startswith("nominal, in which nothing is dispersed")
+    assert (named, beside) == (["short"], "Flight")
+    assert other.followed == "short, the first run named after the campaign."
+
+
+def test_a_case_of_a_campaign_is_flown_again_with_the_same_bits(campaign, written):
+    with replays._recording((campaign,), "", case=2):
+        pass
+    ((flights, _, labels, front, told, _),) = written
+    assert (labels, front) == (["case 2"], "Flight")
+    assert told.followed == "case 2, flown again, identical to its row."
+    assert [one.case for one in told.trajectories] == [0, 1, 2]
+    own = edl6dof.refly(campaign, 2).telemetry["truth.site_up_m"]
+    assert flights[0]["truth.site_up_m"][-1] == own[-1]
+    assert told.trajectories[2].places[-1, 2] == np.float32(own[-1])
+
+
+def test_a_case_that_is_not_there_is_refused_with_those_that_are(run, campaign, written):
+    with pytest.raises(ConfigError, match=r"must be 0 \.\. 2 \(got 3\)"):
+        run_replay(campaign, case=3)
+    with pytest.raises(ConfigError, match="--case: needs the folder of a campaign, named first"):
+        run_replay(run, case=3)
+    assert written == []
+
+
+def test_the_worst_cases_are_those_nearest_to_a_limit(campaign):
+    found = replays.worst_cases(Results(campaign))
+    rows, limits = edl6dof.open_run(campaign).table.to_pylist(), edl6dof.load("tianwen1").scenario.limits
+    loads = {row["case"]: row["peak_load_g0"] for row in rows}
+    share = max(loads.values()) / limits.entry_load_g0
+    (load,) = [one for one in found if one.figure == "peak load of the entry"]
+    assert (load.case, load.used) == (max(loads, key=loads.get), pytest.approx(share, rel=1e-12))
+    shares = [one.used for one in found]
+    assert shares == sorted(shares, reverse=True) and len(found) <= replays.MOST_WORST
 
 
 def test_a_missing_viewer_is_said_in_one_line(run, tmp_path, monkeypatch, capsys):
@@ -138,7 +186,7 @@ def test_trajectories_of_a_campaign_are_its_cases_flown_again(tmp_path):
     text = "extends: tianwen1\nname: three\nsimulation: {time_limit_s: 12}\ncampaign: {cases: 3, seed: 4}\n"
     (tmp_path / "three.yaml").write_text(text, encoding="utf-8")
     plan = plan_of(read_document(tmp_path / "three.yaml"), ())
-    found = trajectories(plan)
+    found = trajectories(plan, {0, 1, 2})
     assert len(found) == 3
     flight = edl6dof.fly("tianwen1", ["simulation.time_limit_s=12"])
     for one in found:

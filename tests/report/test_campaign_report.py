@@ -30,7 +30,8 @@ def results(flights: int, **columns: np.ndarray) -> Results:
         groups={},
         has=columns.__contains__,
     )
-    return type("Known", (SimpleNamespace,), {"__getitem__": lambda _, name: columns[name]})(**vars(found))
+    methods = {"__getitem__": lambda _, name: columns[name], "nearest": Results.nearest}
+    return type("Known", (SimpleNamespace,), methods)(**vars(found))
 
 
 def words(blocks) -> str:

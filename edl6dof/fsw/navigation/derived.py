@@ -2,8 +2,9 @@
 models alone.
 
 Velocity is relative to the planet. The true wind is not known on board, so angle of attack, sideslip, bank
-angle and Mach number differ from the true ones. A second angle of attack and sideslip include the mean wind
-that was expected before the flight. They are used where the vehicle has to be aligned with the air flow.
+angle and Mach number differ from the true ones. A second angle of attack and sideslip include the estimated
+wind, which starts as the mean wind that was expected before the flight (:mod:`.wind_estimate`). They are used
+where the vehicle has to be aligned with the air flow.
 
 Drag is the component of the specific force along the air flow at the expected trim angle. The vehicle trims
 relative to the true air flow, whereas the direction of the planet-relative velocity has an error of wind
@@ -11,7 +12,8 @@ divided by speed. A projection on this velocity would count part of the lift as 
 with the bank angle. An error of the trim angle has a small effect on drag, lift times the error. Lift is the
 component normal to the flow in the expected wind. With the trim angle it would have an error of drag times
 the error of the trim angle, as large as the changes of lift that have to be measured. The users of lift
-filter the effect of the unexpected wind.
+filter the effect of the unexpected wind; the estimated wind comes from the force across the axis itself, and
+with it the lift would always be the believed one.
 
 The ratio of measured drag to the drag of the on-board models, and the speed, pass fading-memory filters.
 Changes due to the motion of the vehicle (descent, deceleration, drag coefficient) are in the modelled drag
@@ -75,9 +77,10 @@ NAV = record(
     # rad: sideslip asin(v/V) of the planet-relative velocity; positive with the nose left of it
     ("beta", "f8"),
     ("bank", "f8"),  # rad: about the planet-relative velocity, 0 with lift up, positive right wing down
-    ("alpha_in_air", "f8"),  # rad: angle of attack in the expected wind, sign as alpha
-    ("beta_in_air", "f8"),  # rad: sideslip in the expected wind, sign as beta
-    ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the expected wind, 0 to pi
+    ("wind_N", "f8", (2,)),  # m/s, N: estimated wind towards north and east
+    ("alpha_in_air", "f8"),  # rad: angle of attack in the estimated wind, sign as alpha
+    ("beta_in_air", "f8"),  # rad: sideslip in the estimated wind, sign as beta
+    ("total_alpha", "f8"),  # rad: angle between x of B and the velocity in the estimated wind, 0 to pi
     ("mach", "f8"),  # Mach number of the planet-relative speed in the believed atmosphere
     # m/s2: measured, along the air flow at the believed trim; positive against the motion
     ("drag", "f8"),
@@ -120,9 +123,9 @@ def drag_and_lift(force_B, alpha):
 
 
 @kernel
-def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
-    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``) by believed planet, air and vehicle, and the
-    frame L of the site.
+def derive(planet, atmosphere, vehicle, site_frame, estimate, wind, nav):
+    """Fill ``nav`` (``NAV``) from ``estimate`` (``ESTIMATE``) by believed planet, air and vehicle, the frame
+    L of the site, and the estimated ``wind`` (``WIND_ESTIMATE``).
     """
     t = estimate.t
     nav.t = t
@@ -164,6 +167,9 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
     nav.bank = bank_angle(v_rel_I, up, x, y, z)
     wind_north, wind_east = expected_wind(atmosphere, altitude)
     v_air_B = to_frame(q, sub(v_rel_I, add(scale(wind_north, north), scale(wind_east, east))))
+    _, alpha_expected, _ = wind_angles(v_air_B)
+    nav.wind_N[0], nav.wind_N[1] = wind_north + wind.shift_N[0], wind_east + wind.shift_N[1]
+    v_air_B = to_frame(q, sub(v_rel_I, add(scale(nav.wind_N[0], north), scale(nav.wind_N[1], east))))
     _, nav.alpha_in_air, nav.beta_in_air = wind_angles(v_air_B)
     nav.total_alpha = total_angle_of_attack(v_air_B)
     density, sound, _ = model_atmosphere(atmosphere, altitude)
@@ -171,7 +177,7 @@ def derive(planet, atmosphere, vehicle, site_frame, estimate, nav):
     nav.dynamic_pressure = 0.5 * density * speed * speed
     force_B = take3(estimate.specific_force_B, 0)
     nav.drag, _ = drag_and_lift(force_B, 0.0 if estimate.wing_open != 0 else trim_alpha(vehicle, nav.mach))
-    _, nav.lift = drag_and_lift(force_B, nav.alpha_in_air)
+    _, nav.lift = drag_and_lift(force_B, alpha_expected)
     radius = planet.equatorial_radius
     nav.energy = 0.5 * speed * speed + planet.mu * (1.0 / radius - 1.0 / (radius + altitude))
     nav.gravity = planet.mu / (nav.radius * nav.radius)

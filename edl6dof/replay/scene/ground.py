@@ -13,7 +13,7 @@ import numpy as np
 
 from edl6dof.replay.history import thin
 from edl6dof.replay.recorder import SCALAR_HZ, SLOW_HZ, Recorder, and_next
-from edl6dof.replay.scene.landscape import Landscape, sky
+from edl6dof.replay.scene.landscape import SHADE, Landscape, dither, grain, sky
 from edl6dof.replay.scene.mesh import bright, disc, grid_triangles, rock, sphere
 from edl6dof.report.flight.common import circle
 from edl6dof.scenario.terrain_preview import planned_ellipse
@@ -51,10 +51,10 @@ class Ground(Recorder):
         self.static("site", self.rr.ViewCoordinates.RIGHT_HAND_Z_UP)
         reach = float(np.clip(1.15 * np.linalg.norm(motion.centre - motion.last, axis=-1).max(), 5e3, 1.2e6))
         landscape = Landscape(motion.site, motion.last)
-        self.static("site/ground", self.mesh(landscape.mesh()))
+        self.static("site/ground", self.mesh(landscape.mesh(), **grain()))
         if (near := landscape.near()) is not None:
-            self.static("site/ground/near", self.mesh(near))
-        self._rocks(landscape)
+            self.static("site/ground/near", self.mesh(near, albedo_factor=[SHADE] * 3))
+            self._rocks(landscape)
         radii = [r for r in (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1e3, 2e3, 5e3) if r < reach]
         rings = [self._ring(landscape, r, motion.last) for r in radii]
         self.lines("site/ground/rings", rings, [120, 72, 48], 0.5)
@@ -64,8 +64,8 @@ class Ground(Recorder):
         terrain = scenario.terrain
         if terrain.ellipse_length_m > 0.0:
             azimuth = np.radians(terrain.ellipse_azimuth_deg)
-            east, north = planned_ellipse(terrain.ellipse_length_m, terrain.ellipse_width_m, azimuth)
-            line = np.column_stack([east, north, landscape.height(east, north) + 100.0])
+            curve = planned_ellipse(terrain.ellipse_length_m, terrain.ellipse_width_m, azimuth)
+            line = landscape.above(np.column_stack(curve), 100.0)
             self.lines("site/markers/ellipse", [line], TARGET, 0.8)
         level = float(motion.site.ground(np.zeros(1), np.zeros(1))[1][0])
         self.static("site/labels/target", self.point([0.0, 0.0, level], "target", TARGET))
@@ -79,7 +79,9 @@ class Ground(Recorder):
         rows = np.flatnonzero(self.motion.height < look.sky_top_m)[::12]
         if len(rows) == 0:
             return
-        self.at(self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith)))
+        self.at(
+            self.t[rows[0]], "site/sky/dome", self.mesh(sky(look.sky_horizon, look.sky_zenith), **dither())
+        )
         if (sun := self.motion.site.sun) is not None and sun[2] > 0.0:
             self.at(self.t[rows[0]], "site/sky/sun", self.mesh(disc(0.97 * sun, sun, _SUN_SIZE, SUNLIGHT)))
         # radius beyond the horizon of the highest place with a sky
@@ -91,8 +93,8 @@ class Ground(Recorder):
         self.columns("site/sky/dome", self.t[rows], tints)
 
     def _ring(self, landscape: Landscape, radius: float, centre: np.ndarray) -> np.ndarray:
-        east, north = circle(centre[:2].tolist(), radius, 181)
-        return np.column_stack([east, north, landscape.height(east, north) + 0.1 + 2e-3 * radius])
+        curve = np.column_stack(circle(centre[:2].tolist(), radius, 181))
+        return landscape.above(curve, 0.1 + 5e-3 * radius)
 
     def _rocks(self, landscape: Landscape) -> None:
         places, sizes, headings = landscape.rocks()

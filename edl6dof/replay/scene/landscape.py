@@ -1,5 +1,5 @@
-"""The ground as drawn: the simulation's relief, and decoration (craters, ripples, rocks) where it has nothing
-finer than the map.
+"""The ground as drawn: the simulation's relief, and decoration (craters, ripples) where it has nothing finer
+than the map.
 
 The mesh widens geometrically from the touchdown to the other side of the planet, so that it is fine where the
 camera ends up and a globe from afar; the ground of a landing area is also drawn on a square grid there, with
@@ -27,21 +27,30 @@ from edl6dof.replay.scene.mesh import (
 )
 from edl6dof.replay.scene.poses import Site
 
-RINGS, SPOKES = 190, 180
+RINGS, SPOKES = 300, 120
 #: Share of the way to the other side of the planet at which the last ring lies.
 _FAR = 0.97
 #: Arc (m) beyond which the ground has the colours of the globe, and the share of haze before that.
 _GLOBE, _HAZE = 4e5, 0.55
+#: Contrast of the decorative tone far from the touchdown, where the mesh shows coarse waves only, and the arc
+#: (m) over which it falls to that.
+_FAINT, _FADES = 0.3, 5e3
 #: Arc (m) up to which the ground is laid out as a plane.
 _PLANE = 3e4
 #: Share of the surface that craters of each size class cover.
 _COVER = 0.055
 #: The square on which a landing area is drawn: half its side, and the spacing of its vertices, m.
 NEAR, SPACING = 36.0, 0.25
-#: Depth (m) of the wide mesh below that square, and share of the half side within which it is lowered.
-_SUNK, _WITHIN = 1.5, 0.97
+#: Depth (m) of the wide mesh below that square, share of the half side within which it is lowered, and share
+#: in which the finer picture of the square fades into that of the wide mesh.
+_SUNK, _WITHIN, _EDGE = 1.5, 0.97, 0.4
 #: Least diameter (m) of rocks of a landing area that are drawn as such; smaller ones are bumps of the mesh.
 _SMALLEST_ROCK = 0.4
+
+#: Rows and columns of the sky, and width (texels) of a tile of noise.
+_DOME, _TILE = (24, 48), 256
+#: Mean and standard deviation of the grain of the ground, of 255; spokes or rings of the mesh in a tile.
+SHADE, _GRAIN, _PER_TILE = 236, 9.0, 18.0
 
 
 class Rocks(NamedTuple):
@@ -72,7 +81,9 @@ class Landscape:
             self._decoration = np.where(inside, -_SUNK, 0.0)
         else:
             calm = np.clip((self._radius - 6.0) / 50.0, 0.0, 1.0)[:, None]
-            self._decoration = calm**2 * (3.0 - 2.0 * calm) * (ripples + self._craters())
+            raised = ripples + self._craters()
+            raised -= raised[0].mean() * np.exp(-self._radius / _FADES)[:, None]  # or it would lie in a pit
+            self._decoration = calm**2 * (3.0 - 2.0 * calm) * raised
         self._elevation, self._place = self._laid()
         self._middle = float(site.ground(*self._centre)[1])
         self._shade = shade
@@ -94,9 +105,11 @@ class Landscape:
         around = self._around(self._elevation + self._decoration)
         rise_east = rise * self._cos - around * self._sin
         rise_north = rise * self._sin + around * self._cos
-        colours = soil(self._site, self._shade, rise_east, rise_north)
+        contrast = _FAINT + (1.0 - _FAINT) * np.exp(-self._radius / _FADES)[:, None]
+        shade = 0.5 + (self._shade - 0.5) * contrast
+        colours = soil(self._site, shade, rise_east, rise_north)
         look, far = self._site.appearance, np.clip(self._radius / _GLOBE - 0.1, 0.0, 1.0)[:, None, None]
-        globe = tints(look.relief, self._elevation / 1e3) * (0.75 + 0.5 * self._shade[..., None])
+        globe = tints(look.relief, self._elevation / 1e3) * (0.75 + 0.5 * shade[..., None])
         colours += (globe - colours) * far
         haze = _HAZE * (1.0 - np.exp(-self._radius / 3e4))[:, None, None] * (1.0 - 0.5 * far)
         colours += (np.array(look.haze) - colours) * haze
@@ -116,10 +129,14 @@ class Landscape:
         side = np.arange(-NEAR, NEAR + 0.5 * SPACING, SPACING)
         east, north = np.meshgrid(side, side)
         up = self._site.ground(east + self._centre[0], north + self._centre[1])[1]
-        tone, _ = _waves(np.random.default_rng(self._seed), east, north, np.full((len(side), 1), SPACING))
-        rise_north, rise_east = np.gradient(up, SPACING)
+        fine, coarse = (
+            _waves(np.random.default_rng(self._seed), east, north, np.full((len(side), 1), spacing))[0]
+            for spacing in (SPACING, NEAR * 2.0 * pi / SPOKES)
+        )
+        fade = np.clip((1.0 - np.maximum(np.abs(east), np.abs(north)) / NEAR) / _EDGE, 0.0, 1.0)
+        rise_north, rise_east = fade * np.gradient(up, SPACING)
         place = np.stack([east + self._centre[0], north + self._centre[1], up], axis=-1).reshape(-1, 3)
-        colours = soil(self._site, tone, rise_east, rise_north).reshape(-1, 3)
+        colours = soil(self._site, coarse + fade * (fine - coarse), rise_east, rise_north).reshape(-1, 3)
         return bright(place, open_grid_triangles(len(side), len(side)), colours)
 
     def height(self, east: np.ndarray, north: np.ndarray) -> np.ndarray:
@@ -132,12 +149,13 @@ class Landscape:
         j = np.round(np.arctan2(y, x) * SPOKES / (2.0 * pi)).astype(int) % SPOKES
         return np.asarray(up + self._decoration[i, j])
 
-    def rocks(self) -> Rocks:
-        """Return the rocks around the touchdown."""
-        return self._true_rocks() if self._site.relief.detailed else self._boulders()
+    def above(self, places: np.ndarray, height: np.ndarray | float) -> np.ndarray:
+        """Return places in L, shape (..., 3), ``height`` (m) above the drawn ground; ``places``: (..., 2)."""
+        east, north = np.moveaxis(places, -1, 0)
+        return np.stack([east, north, self.height(east, north) + height], axis=-1)
 
-    def _true_rocks(self) -> Rocks:
-        """The rocks of the landing area."""
+    def rocks(self) -> Rocks:
+        """Return the rocks of a landing area around the touchdown; none for a site without one."""
         middle = float(self._centre[0]), float(self._centre[1])
         place = self._site.rocks(*middle, 4.0 * NEAR, _SMALLEST_ROCK)
         east, north, diameter = place.T
@@ -145,17 +163,6 @@ class Landscape:
         sizes = diameter[:, None] * [1.1, 1.1, 1.5]
         heading = self._random.uniform(0.0, 2.0 * pi, len(place))
         return Rocks(np.column_stack([east, north, up]), sizes, heading)
-
-    def _boulders(self, count: int = 700) -> Rocks:
-        """Decoration: more small ones than large ones, none under the lander."""
-        random = self._random
-        distance = np.geomspace(3.4, 260.0, count) * random.uniform(0.9, 1.1, count)
-        turn = random.uniform(0.0, 2.0 * pi, count)
-        size = np.minimum(0.12 + random.exponential(0.12, count), 1.2) * (1.0 + distance / 80.0)
-        east, north = self._centre[0] + distance * np.cos(turn), self._centre[1] + distance * np.sin(turn)
-        places = np.column_stack([east, north, self.height(east, north) + 0.12 * size])
-        sizes = size[:, None] * random.uniform(0.7, 1.3, (count, 3)) * [1.0, 1.0, 0.7]
-        return Rocks(places, sizes, random.uniform(0.0, 2.0 * pi, count))
 
     def _craters(self) -> np.ndarray:
         """Height (m) of craters at the vertices, as many of each size class as the mesh can show."""
@@ -231,8 +238,35 @@ def _waves(
 
 def sky(horizon: Vec3, zenith: Vec3) -> Mesh:
     """Return a dome of unit radius seen from inside, from the colour of the horizon to that overhead."""
-    rows, columns = 24, 48
-    place = sphere(rows, columns)
+    place = sphere(*_DOME)
     rise = np.clip(place[..., 2:], 0.0, 1.0) ** 0.55
     colours = np.array(horizon) + (np.array(zenith) - horizon) * rise
-    return bright(place.reshape(-1, 3), grid_triangles(rows, columns)[:, ::-1], colours.reshape(-1, 3))
+    return bright(place.reshape(-1, 3), grid_triangles(*_DOME)[:, ::-1], colours.reshape(-1, 3))
+
+
+def grain() -> dict[str, np.ndarray]:
+    """Return texture and coordinates of the vertices of :meth:`Landscape.mesh`: light and dark grain, which
+    grows with the distance from the touchdown like the mesh: it is neither seen as texels nor finer than the
+    pixels of a picture.
+    """
+    noise = np.fft.fft2(np.random.default_rng(0).normal(size=(_TILE, _TILE)))
+    waves = np.hypot(*np.meshgrid(np.fft.fftfreq(_TILE), np.fft.fftfreq(_TILE)))
+    soft = np.fft.ifft2(noise / (0.05 + waves)).real
+    texture = np.clip(SHADE + _GRAIN * soft / soft.std(), 0.0, 255.0).astype(np.uint8)
+    ring, spoke = np.indices((RINGS, SPOKES)).reshape(2, -1)
+    around = np.abs(spoke - SPOKES // 2)  # mirrored, or there would be a seam
+    places = np.append(np.column_stack([around, ring]), np.zeros((2, 2)), axis=0)
+    return {
+        "albedo_texture": np.repeat(texture[..., None], 3, axis=-1),
+        "vertex_texcoords": places / _PER_TILE,
+    }
+
+
+def dither() -> dict[str, np.ndarray]:
+    """Return texture and coordinates of the sky's vertices: noise of less than two steps of colour, with a
+    texel for each pixel of a picture, without which the 256 steps of a colour would be seen as bands.
+    """
+    noise = np.random.default_rng(0).integers(252, 256, (_TILE, _TILE, 1), np.uint8).repeat(3, axis=-1)
+    rows, columns = np.indices(_DOME).reshape(2, -1)
+    degrees = np.column_stack([columns * 360.0 / _DOME[1], rows * 180.0 / (_DOME[0] - 1)])
+    return {"albedo_texture": noise, "vertex_texcoords": degrees / (0.05 * _TILE)}

@@ -73,7 +73,7 @@ class Hazards(Recorder):
         north = side * (0.9 - 0.15 * np.arange(len(entries)))
         places = found.corner_m - off + np.column_stack([np.full(len(entries), -0.22 * side), north])
         words, colours = zip(*entries, strict=True)
-        marks, points = self._on_ground(places, 1.0), self.rr.Points3D
+        marks, points = self._on_ground(places, 4.0), self.rr.Points3D
         self.at(t, "site/hazards/legend", points(marks, colors=colours, radii=-8.0))
         names = points(marks, labels=words, colors=CHOSEN, radii=-0.01, show_labels=True)
         self.at(t, "site/hazards/legend/words", names)

@@ -1,9 +1,6 @@
-"""Tracks: the path of each vehicle over the site and on the globe, and the trajectories of a campaign."""
+"""Tracks: the path of each vehicle over the site and on the globe."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,15 +11,8 @@ from edl6dof.replay.scene.ground import TARGET
 from edl6dof.replay.scene.landscape import tints
 from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, pole_triangles
 
-if TYPE_CHECKING:
-    import rerun as rr
-
 #: Length of the arrow to the sun, radii of the planet, and its colour.
 SUN_ARROW, SUN = 0.45, (255, 210, 90)
-SUCCESS = (110, 205, 130)
-#: Colours of the causes of failure, the commonest first; those beyond share the last.
-CAUSES = ((240, 80, 80), (250, 170, 60), (200, 120, 245), (90, 170, 250), (240, 225, 90), (150, 150, 155))
-COLOURS = ("green", "red", "orange", "violet", "blue", "yellow", "grey")
 
 
 class Track(Recorder):
@@ -120,39 +110,3 @@ def planet(radius_km: float, heights: np.ndarray, relief: list[Tint]) -> Mesh:
     level = np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat) + 0.0 * lon], axis=-1)
     place = radius_km * np.append(level.reshape(-1, 3), [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], axis=0)
     return bright(place, np.concatenate([grid_triangles(90, 180), *pole_triangles(90, 180)]), colours)
-
-
-class Trajectory(NamedTuple):
-    """The path of one case, shape (n, 3) in L, m; and the cause of its failure, empty for a success."""
-
-    places: np.ndarray
-    cause: str
-
-
-class Ensemble(NamedTuple):
-    """The trajectories of a campaign, and a text about the flight that the camera follows."""
-
-    trajectories: Sequence[Trajectory]
-    followed: str
-
-
-def write_ensemble(recording: rr.RecordingStream, ensemble: Ensemble) -> None:
-    """Write ``/site/campaign``: an entity for the successes and for each cause, and counts as text."""
-    import rerun as rr
-
-    found = [one.cause for one in ensemble.trajectories]
-    causes = sorted(set(found) - {""}, key=lambda cause: (-found.count(cause), cause))
-    lines = [
-        f"## {found.count('')} of {len(found)} succeed\n",
-        f"Followed here, in white: {ensemble.followed}\n",
-        "| cases | colour | outcome |",
-        "|--:|:--|:--|",
-    ]
-    for k, cause in enumerate(["", *causes]):
-        places = [one.places for one in ensemble.trajectories if one.cause == cause]
-        strips = [place[np.isfinite(place).all(axis=-1)] for place in places]
-        colour = CAUSES[min(k - 1, len(CAUSES) - 1)] if cause else SUCCESS
-        drawn = rr.LineStrips3D(strips, colors=colour, radii=-0.8)
-        recording.log(f"site/campaign/{f'failure_{k}' if cause else 'success'}", drawn, static=True)
-        lines.append(f"| {len(strips)} | {COLOURS[min(k, len(CAUSES))]} | {cause or 'success'} |")
-    recording.log("campaign", rr.TextDocument("\n".join(lines), media_type="text/markdown"), static=True)

@@ -115,6 +115,13 @@ class Results:
         """A numeric column, NaN where a case has no value, shape (n,)."""
         return numbers(self.table[name])
 
+    def nearest(self, figure: FigureOfMerit, number: int) -> np.ndarray:
+        """Rows of the cases with the worst finite values of a figure, the worst first."""
+        values = self[figure.name]
+        finite = np.flatnonzero(np.isfinite(values))
+        worse = values[finite] if figure.clearance else -values[finite]
+        return finite[np.argsort(worse, kind="stable")][:number]
+
     @cached_property
     def groups(self) -> dict[str, np.ndarray]:
         """Dispersed quantities, shape (n, quantities), in the groups that the plan draws together."""

@@ -237,10 +237,7 @@ def worst(results: Results) -> Iterator[Block]:
     """Tabulate the cases nearest to each limit or beyond it, and the command that flies one again."""
     rows: list[Row] = []
     for figure, limit in results.limits:
-        values = results[figure.name]
-        finite = np.flatnonzero(np.isfinite(values))
-        worse = values[finite] if figure.clearance else -values[finite]
-        nearest = finite[np.argsort(worse, kind="stable")][:_NEAREST]
+        values, nearest = results[figure.name], results.nearest(figure, _NEAREST)
         if len(nearest):
             share = figure.used(float(values[nearest[0]]), limit)
             label, unit = figure.meaning, figure.unit.label

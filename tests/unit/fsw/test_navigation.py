@@ -8,6 +8,7 @@ from pyquaternion import Quaternion
 
 from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.navigation.derived import NAV, derive, model_atmosphere
+from edl6dof.fsw.navigation.wind_estimate import WIND_ESTIMATE
 from edl6dof.interface.sensed import SENSED
 
 X, Y, Z = np.eye(3)
@@ -59,7 +60,7 @@ def fly_state(
 def nav_of(onboard, sensed):
     nav = np.zeros(1, NAV)[0]
     believed = [onboard[0][name] for name in ("planet", "atmosphere", "vehicle")]
-    derive(*believed, onboard[0]["site"]["frame"], sensed, nav)
+    derive(*believed, onboard[0]["site"]["frame"], sensed, np.zeros(1, WIND_ESTIMATE)[0], nav)
     return nav
 
 

@@ -28,6 +28,10 @@ AIRFRAME = record(
     ("drag", "f8", (NODES,)),  # drag area at trim, over that of the vehicle
     ("lift", "f8", (NODES,)),  # lift-to-drag ratio at trim, over that of the vehicle
     ("drag_with_wing", "f8", (NODES,)),  # drag area, wing open and alpha zero, over that of the vehicle
+    # forces along z over x, zero without a table of coefficients: over tan(alpha) at trim
+    ("side", "f8", (NODES,)),
+    ("side_with_wing", "f8", (NODES,)),  # the same about alpha zero, wing open
+    ("offset_with_wing", "f8", (NODES,)),  # forces along z over x at alpha zero, wing open
 )
 
 
@@ -57,6 +61,16 @@ def believed_aero(vehicle, mach, speed):
     if mach < table.wing_mach or speed < table.wing_speed:
         return vehicle.drag_area * between(table.drag_with_wing, i, f), 0.0
     return vehicle.drag_area * between(table.drag, i, f), vehicle.lift_to_drag * between(table.lift, i, f)
+
+
+@kernel
+def side_force(vehicle, mach, wing_open):
+    """Slope and offset of the ratio of the forces along z and x over the tangent of the angle of attack."""
+    table = vehicle.airframe
+    i, f = node_of(mach)
+    if wing_open != 0:
+        return between(table.side_with_wing, i, f), between(table.offset_with_wing, i, f)
+    return between(table.side, i, f), 0.0
 
 
 @kernel

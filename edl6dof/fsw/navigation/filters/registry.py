@@ -29,6 +29,7 @@ from edl6dof.fsw.navigation.parity_test import ParityParams
 from edl6dof.fsw.navigation.recovery import RecoveryParams
 from edl6dof.fsw.navigation.redundancy import SaturationParams
 from edl6dof.fsw.navigation.star_fixes import StarWatchParams
+from edl6dof.fsw.navigation.wind_estimate import WindEstimateParams
 from edl6dof.registry import Family
 
 NAVIGATION_FILTERS = Family(
@@ -53,6 +54,7 @@ class NavigationParams(_Filters):
     guards: GuardParams = group(GuardParams, "guards of height and vertical")
     landmarks: LandmarkFixParams = group(LandmarkFixParams, "position fixes from landmarks of a map")
     drag_filter: DragFilterParams = group(DragFilterParams, "fading memory of the measured drag")
+    wind: WindEstimateParams = group(WindEstimateParams, "estimate of the wind")
 
 
 start_filter = NAVIGATION_FILTERS.role(

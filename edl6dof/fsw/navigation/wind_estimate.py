@@ -1,0 +1,123 @@
+"""Wind from the force across the body axis: the difference from the expected wind.
+
+Across the body axis the aerodynamic force grows with the angle of attack: a_y / a_x = k v / u, and for z
+likewise, with the velocity (u, v, w) in air and the believed slope k of C_N / C_A. The readings show the
+components v and w of the velocity in air; the navigated velocity less these is the wind, of which the axes y
+and z see two components. A Kalman filter with the horizontal difference from the expected wind as its two
+states makes them consistent. It sees the component along the flight as far as the path is inclined.
+
+The force of thrusters, swings and gusts disturb the shown angle independently after ``swing_time_s``. The
+error of the slope lasts; it counts as noise that is independent after ``lasting_s``.
+
+Sources: Karlgaard, Kutty, Schoenenberger, Munk, Little, Kuhl and Shidner, Mars Science Laboratory entry
+atmospheric data system trajectory reconstruction, Journal of Spacecraft and Rockets 51(4), 2014 (pressure
+ports in place of the force); the filter: this project.
+"""
+
+from __future__ import annotations
+
+from edl6dof.config.base import Params, param
+from edl6dof.fsw.guidance.entry.airframe import side_force
+from edl6dof.kernels import kernel
+from edl6dof.records import FLAG, record
+from edl6dof.spatial.quaternion import to_frame
+from edl6dof.spatial.vector import take3, take4
+
+
+class WindEstimateParams(Params):
+    """Estimate of the wind from the force across the body axis."""
+
+    enabled: bool = param(True, "whether the wind is estimated")
+    sigma_m_s: float = param(
+        30.0, "standard deviation of the difference from the expected wind", status="estimate", gt=0.0, le=200
+    )
+    change_m_s: float = param(
+        0.7, "random walk of this difference in one second", status="estimate", ge=0.0, le=100.0
+    )
+    swing_deg: float = param(
+        0.3, "standard deviation of the shown angle of attack", status="estimate", gt=0.0, le=20.0
+    )
+    swing_time_s: float = param(
+        1.0, "time after which its error is independent", status="estimate", gt=0.0, le=100.0
+    )
+    slope_error: float = param(
+        0.05, "relative standard deviation of the slope of the force", status="estimate", ge=0.0, lt=1.0
+    )
+    lasting_s: float = param(
+        30.0, "time after which its effect counts as independent", status="estimate", gt=0.0, le=1000.0
+    )
+    reading_deg: float = param(
+        1.5, "standard deviation of the angle in one reading", status="estimate", gt=0.0, le=20.0
+    )
+    gate: float = param(
+        3.0,
+        "standard deviations from which on a reading is not used, as of a thruster stuck open",
+        gt=0.0,
+        le=100,
+    )
+    least_force_m_s2: float = param(0.5, "axial force from which on it is used", status="estimate", gt=0.0)
+
+
+#: Difference from the expected wind, and its covariance.
+WIND_ESTIMATE = record(
+    ("begun", FLAG),  # there was a reading
+    ("t", "f8"),  # s: flight time of the last reading
+    ("shift_N", "f8", (2,)),  # m/s, N: north and east
+    ("variance", "f8", (2, 2)),  # m2/s2, N
+)
+
+
+@kernel
+def estimate_wind(params, vehicle, expected_N, nav, memory):
+    """Correct ``memory`` (``WIND_ESTIMATE``) by the specific force of this cycle, in free flight.
+
+    Args:
+        params, vehicle: ``WindEstimateParams`` record; believed vehicle.
+        expected_N: wind that is expected here, north and east, m/s.
+        nav: ``NAV`` record.
+        memory: updated.
+    """
+    slope, offset = side_force(vehicle, nav.mach, nav.wing_open)
+    if params.enabled == 0 or slope == 0.0:
+        return
+    P = memory.variance
+    if memory.begun == 0:
+        memory.begun, memory.t = 1, nav.t
+        P[0, 0] = P[1, 1] = params.sigma**2
+    dt = nav.t - memory.t
+    memory.t = nav.t
+    axial = -nav.specific_force_B[0]
+    if axial < params.least_force or dt <= 0.0:
+        return
+    for i in range(2):
+        P[i, i] += params.change**2 * dt
+    q = take4(nav.q_I2B)
+    north, east = to_frame(q, take3(nav.north_I, 0)), to_frame(q, take3(nav.east_I, 0))
+    ground = to_frame(q, take3(nav.v_rel_I, 0))
+    wind = expected_N[0] + memory.shift_N[0], expected_N[1] + memory.shift_N[1]
+    ahead = ground[0] - north[0] * wind[0] - east[0] * wind[1]
+    for i in range(1, 3):
+        shown = (-nav.specific_force_B[i] / axial - (offset if i == 2 else 0.0)) / slope
+        lasting = params.slope_error * shown
+        noise = params.swing**2 * params.swing_time + lasting**2 * params.lasting
+        noise *= nav.speed * nav.speed / dt
+        h = (north[i], east[i])
+        rest = ground[i] - shown * ahead
+        for k in range(2):
+            rest -= h[k] * (expected_N[k] + memory.shift_N[k])
+        spread = h[0] * (P[0, 0] * h[0] + 2.0 * P[0, 1] * h[1]) + P[1, 1] * h[1] * h[1]
+        spread += (params.reading * nav.speed) ** 2
+        if rest * rest < params.gate * params.gate * spread:
+            correct_wind(h, noise, rest, memory)
+
+
+@kernel
+def correct_wind(h, noise, rest, memory):
+    """Kalman update by a wind component ``rest`` (m/s) above its expected value, with sensitivities ``h``."""
+    P = memory.variance
+    product = (P[0, 0] * h[0] + P[0, 1] * h[1], P[1, 0] * h[0] + P[1, 1] * h[1])
+    total = h[0] * product[0] + h[1] * product[1] + noise
+    for i in range(2):
+        memory.shift_N[i] += product[i] / total * rest
+        for k in range(2):
+            P[i, k] -= product[i] * product[k] / total
