@@ -197,7 +197,7 @@ def rare(
     *,
     out: str | Path,
     requirements: str | Path | None = None,
-    size: int = 150,
+    size: int = 155,
     populations: int = 4,
     seed: int | None = None,
     workers: int | None = None,
@@ -215,7 +215,7 @@ def rare(
         requirements: file of requirements; by default every limit of the scenario is one, named by its
             figure.
         size: number of flights of each level of a population.
-        populations: number of independent populations.
+        populations: number of populations, with common levels and first flights of their own.
         seed: seed of the populations; by default that of the campaign.
         workers: number of threads; by default all cores.
         force: True to replace an existing folder of this kind.

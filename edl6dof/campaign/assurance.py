@@ -64,6 +64,10 @@ class Requirement(Params):
         """Factor of the figure, 1 or -1, after which larger values are worse."""
         return -1.0 if self.at_most is None else 1.0
 
+    def margins(self, values: np.ndarray) -> np.ndarray:
+        """Distance of each of the ``values``, shape (n,), from the bound, negative outside; -inf for NaN."""
+        return np.where(np.isnan(values), -np.inf, self.sign * (self.limit - values))
+
 
 class RequirementsFile(Params):
     """A file of requirements."""

@@ -8,10 +8,12 @@ second-order effect of the sources.  The sum of both is the covariance of y.  It
 that is linear in the sources plus any random effect; the linear effect has no sampling error, because the
 columns of the design are orthogonal.  The response to one step is averaged over all other steps and random
 effects: this statistical linearisation sees a bank reversal occur earlier or later in some flights, not a
-jump in all flights.
+jump in all flights.  The first flights of all pairs are flown again with other random effects; half the mean
+square of the change is the variance that these cause, at all values of the sources.
 
 Source: Gelb and Warren, AIAA J. 11 (1973) 689 (statistical linearisation); Box and Hunter,
-Technometrics 3 (1961) 311 (design by mirror images).
+Technometrics 3 (1961) 311 (design by mirror images); Jansen, Comput. Phys. Commun. 117 (1999) 35 (total
+effect of the random effects).
 """
 
 from __future__ import annotations
@@ -53,17 +55,28 @@ class Pairs:
     Attributes:
         steps: steps of the sources in the first flight of each pair, -1 or 1, shape (pairs, deviates).
         odd, even: half the difference and half the sum of both flights, shape (pairs, figures).
+        changes: change of the figures of the first flights by other random effects, shape (pairs, figures);
+            no pairs without random effects.
     """
 
     steps: np.ndarray
     odd: np.ndarray
     even: np.ndarray
+    changes: np.ndarray
 
     @classmethod
     def of(cls, steps: np.ndarray, flights: np.ndarray) -> Pairs:
-        """Form pairs from ``flights``, shape (2 pairs, figures): first flights, then mirror images."""
-        first, second = np.split(flights, 2)
-        return cls(steps, 0.5 * (first - second), 0.5 * (first + second))
+        """Form pairs from ``flights``, shape (2 pairs, figures) or (3 pairs, figures): first flights, mirror
+        images, and the first flights with other random effects.
+        """
+        first, second, *again = np.split(flights, len(flights) // len(steps))
+        changes = again[0] - first if again else flights[:0]
+        return cls(steps, 0.5 * (first - second), 0.5 * (first + second), changes)
+
+    @property
+    def random(self) -> np.ndarray:
+        """Variance of each figure by the random effects, shape (figures,)."""
+        return 0.5 * np.sum(self.changes**2, axis=0) / max(len(self.changes), 1)
 
     @property
     def covariance(self) -> np.ndarray:
@@ -147,10 +160,10 @@ class Covariance:
 
     @property
     def rest(self) -> np.ndarray:
-        """Standard deviation of every figure that no separated source causes, shape (figures,); a budget
-        below zero, which chance can cause, counts as zero.
+        """Standard deviation of every figure that neither a separated source nor the random effects cause,
+        shape (figures,); a budget below zero, which chance can cause, counts as zero.
         """
-        explained = np.maximum(self.budget.sum(axis=0), 0.0)
+        explained = np.maximum(self.budget.sum(axis=0), 0.0) + self.pairs.random
         return np.sqrt(np.maximum(self.spread.deviation**2 - explained, 0.0))
 
     @property
@@ -181,8 +194,10 @@ def fly_covariance(
         apart = tuple(source for source in apart if not source.is_list)
     columns, more = (sum(source.width for source in some) for some in (apart, together))
     steps = design(columns, more, pairs, plan.campaign.seed if plan.campaign else 0)
-    flown = cases(plan, [*apart, *together], np.vstack([steps, -steps]))
-    figures = figures_of(plan, flown, event, workers, lambda done, _: progress(done, 2 * len(steps)))
+    again = [steps] if plan.campaign and plan.campaign.profiles else []
+    every = np.vstack([steps, -steps, *again])
+    flown = cases(plan, [*apart, *together], every)
+    figures = figures_of(plan, flown, event, workers, lambda done, _: progress(done, len(every)))
     return Covariance(event, Pairs.of(steps, figures), apart, together)
 
 

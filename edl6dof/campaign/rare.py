@@ -30,6 +30,7 @@ from edl6dof.campaign.parts import Parts
 from edl6dof.campaign.store import Info, Store, file_of
 from edl6dof.campaign.subset import (
     Estimate,
+    Level,
     Points,
     Population,
     Region,
@@ -68,7 +69,7 @@ class Request:
     Attributes:
         plan: campaign whose dispersions are varied.
         requirement: requirement whose violation is the failure.
-        size: flights of each level of a population.
+        size: flights of each level of a population, in the mean over the populations.
         populations: number of populations.
     """
 
@@ -97,9 +98,7 @@ class Request:
 
     def margins(self, rows: list[Row]) -> np.ndarray:
         """Margin of each flight, in the unit of the figure, shape (flights,)."""
-        values = np.array(list(map(self.value, rows)))
-        margins = self.requirement.sign * (self.requirement.limit - values)
-        return np.where(np.isnan(values), -np.inf, margins)
+        return self.requirement.margins(np.array(list(map(self.value, rows))))
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,7 +107,7 @@ class RareFailure:
 
     Attributes:
         request: the simulation.
-        populations: levels and last points of each population.
+        populations: last points of each population.
         rows: rows of the flights of these last points, by number.
         flights: number of flights of all levels.
         folder: folder with the flights.
@@ -124,6 +123,11 @@ class RareFailure:
     def estimate(self) -> Estimate:
         """Probability of the failure, with its interval."""
         return estimate(self.populations, self.request.requirement.confidence)
+
+    @property
+    def levels(self) -> tuple[Level, ...]:
+        """Levels of all populations, the failure itself not included."""
+        return self.populations[0].levels
 
     @property
     def failures(self) -> list[Row]:
@@ -171,10 +175,8 @@ class RareFailure:
             "requirement": requirement.model_dump(),
             **self.estimate._asdict(),
             "flights": self.flights,
-            "populations": [
-                {"probability": one.probability, "levels": [level._asdict() for level in one.levels]}
-                for one in self.populations
-            ],
+            "levels": [level._asdict() for level in self.levels],
+            "populations": [{"probability": one.probability} for one in self.populations],
             "regions": {name: region._asdict() for name, region in self.regions.items()},
             "failures_without_figure": dict(self.without_figure),
             "worst": self.worst,

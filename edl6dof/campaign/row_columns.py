@@ -36,3 +36,9 @@ def group_of(column: str, campaign: Mapping[str, Any]) -> str:
             return f"{mark}{commonprefix(together['paths'])}*"
     patterns = (pattern for of in get_args(Of) for pattern in campaign.get(of, ()))
     return mark + next((pattern for pattern in patterns if fnmatchcase(path, pattern)), path)
+
+
+def is_constant(column: str, campaign: Mapping[str, Any]) -> bool:
+    """Return whether a dispersed quantity, named by its column, is constant but unknown (epistemic)."""
+    path = column.removeprefix(BELIEF).removeprefix(TRUTH)
+    return any(fnmatchcase(path, pattern) for pattern in campaign.get("constant", ()))

@@ -3,7 +3,9 @@
 The failure is divided into levels, each with about a fifth of the probability of the one before.  The points
 of a level that are beyond the next threshold start Markov chains inside the next level: a step mixes a point
 with a new random one (preconditioned Crank-Nicolson) and is kept if the result is still beyond the
-threshold.  Several populations do so independently.
+threshold.  The levels are common to several populations, each with the descendants of its own first points:
+their spread is reported, and a population may die out.  Populations with levels of their own would make the
+estimate less precise, because it would be the mean of a few skewed ones.
 
 The variance of the probability follows from the first points of which the failures are descendants: a
 population whose failures descend from few first points is as uncertain as a sample with so few failures.
@@ -39,7 +41,7 @@ from edl6dof.spatial.random_numbers import Stream
 SHARE, KEPT, FIRST_STEP = 0.2, 0.44, 0.6
 #: Smallest step size.
 LEAST_STEP = 0.02
-#: A population that is beyond this probability without a failure stops.
+#: The simulation stops without a failure if the levels are beyond this probability.
 LEAST = 1e-9
 #: Third number of the seed; the generators of the sampling plans have 3 (:mod:`.sampling`).
 _STREAM = 4
@@ -53,7 +55,8 @@ class Points(NamedTuple):
     Attributes:
         numbers: number of each point, unique in all populations, shape (n,).
         profiles: number of its random profiles: that of the point for which they were drawn, shape (n,).
-        ancestors: number of the first point of its chains, shape (n,).
+        ancestors: number of the first point of its chains, shape (n,); modulo the number of populations, it
+            is the number of its population.
         deviates: standard normal deviates, shape (n, inputs).
     """
 
@@ -91,13 +94,15 @@ class Population:
     """Result of one population.
 
     Attributes:
-        levels: its levels, the failure itself not included.
-        points, margins: points of the last level.
+        levels: levels of all populations, the failure itself not included.
+        points, margins: points of the last level that descend from its first points.
+        size: number of its first points, and of points of a level in the mean over the populations.
     """
 
     levels: tuple[Level, ...]
     points: Points
     margins: np.ndarray
+    size: int
 
     @property
     def failed(self) -> np.ndarray:
@@ -107,7 +112,7 @@ class Population:
     @property
     def probability(self) -> float:
         """Estimate of the probability of the failure; 0 if no failure was found."""
-        return prod(level.share for level in self.levels) * float(np.mean(self.failed))
+        return prod(level.share for level in self.levels) * int(np.sum(self.failed)) / self.size
 
     @property
     def variance(self) -> float:
@@ -119,27 +124,25 @@ class Population:
 
 
 def simulate(margins: Margins, *, inputs: int, size: int, populations: int, seed: int) -> list[Population]:
-    """Run independent populations.
+    """Run populations with common levels.
 
     Args:
-        margins: margins of points; all populations ask together, so that a call has many points.
+        margins: margins of points; a call has the points of one step of all populations.
         inputs: number of inputs.
-        size: points of each level of a population.
+        size: first points of a population, and points of each level in the mean over the populations.
         populations: number of populations.
         seed: seed of the random numbers.
     """
-    runs = {k: _Run(k, populations, size, inputs, seed).population() for k in range(populations)}
-    waiting, done = {k: next(run) for k, run in runs.items()}, {}
-    while waiting:
-        found = margins(joined(list(waiting.values())))
-        ends = np.cumsum([len(points.numbers) for points in waiting.values()])[:-1]
-        for k, own in zip(list(waiting), np.split(found, ends), strict=True):
-            try:
-                waiting[k] = runs[k].send(own)
-            except StopIteration as end:
-                done[k] = end.value
-                del waiting[k]
-    return [done[k] for k in range(populations)]
+    run = _Run(size * populations, inputs, seed).levels()
+    asked = next(run)
+    while True:
+        try:
+            asked = run.send(margins(asked))
+        except StopIteration as end:
+            levels, points, last = end.value
+            break
+    own = [points.ancestors % populations == k for k in range(populations)]
+    return [Population(levels, points.only(np.flatnonzero(rows)), last[rows], size) for rows in own]
 
 
 #: Yields points, is sent their margins, and returns a result.
@@ -147,14 +150,14 @@ Asking = Generator[Points, np.ndarray, Result]
 
 
 class _Run:
-    """One population, its random numbers and step size; yields the points of which it needs the margins."""
+    """All points, random numbers and step size; yields the points of which it needs the margins."""
 
-    def __init__(self, k: int, populations: int, size: int, inputs: int, seed: int):
+    def __init__(self, size: int, inputs: int, seed: int):
         self.size, self.inputs = size, inputs
-        self.random, self.numbers, self.step = Stream(seed, k, _STREAM), count(k, populations), FIRST_STEP
+        self.random, self.numbers, self.step = Stream(seed, 0, _STREAM), count(), FIRST_STEP
 
-    def population(self) -> Asking[Population]:
-        """Run the levels of the population."""
+    def levels(self) -> Asking[tuple[tuple[Level, ...], Points, np.ndarray]]:
+        """Run the levels; return them with the points of the last one and their margins."""
         numbers = self._next(self.size)
         points = Points(numbers, numbers, numbers, self.random.standard_normal((self.size, self.inputs)))
         margins = yield points
@@ -164,7 +167,7 @@ class _Run:
             inside = inside[np.argsort(self.random.uniform(len(inside)), kind="stable")]
             points, margins, kept = yield from self._chains(points.only(inside), margins[inside], below)
             levels.append(Level(below, len(inside) / self.size, kept))
-        return Population(tuple(levels), points, margins)
+        return tuple(levels), points, margins
 
     def _chains(
         self, last: Points, held: np.ndarray, below: float

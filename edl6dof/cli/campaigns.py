@@ -308,8 +308,8 @@ def rare(
     sets: Sets = None,
     size: Annotated[
         int, option("N", "Flights of each level of a population.", "-n", "--size", min=20, max=100_000)
-    ] = 150,
-    populations: Annotated[int, option("N", "Independent populations.", min=2, max=64)] = 4,
+    ] = 155,
+    populations: Annotated[int, option("N", "Populations, whose spread is reported.", min=2, max=64)] = 4,
     seed: Annotated[int | None, option("N", "Seed; the campaign's if not given.", min=0)] = None,
     workers: Workers = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/rare-<campaign> if not given.")] = None,

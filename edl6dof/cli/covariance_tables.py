@@ -28,7 +28,7 @@ _CLEAR = 3.0
 def show(name: str, event: str, found: Covariance, sampled: np.ndarray | None, took_s: float) -> None:
     """Print the spread of every figure, also that of a campaign's flights if given, and the budget."""
     console = Console(highlight=False, soft_wrap=True)
-    flights = 2 * len(found.pairs.odd)
+    flights = 2 * len(found.pairs.odd) + len(found.pairs.changes)
     console.print(f"{name}, {event}: {counted(flights, 'flight')} in {took_s:.1f} s", style="bold")
     print_whole(_spreads(found, sampled))
     if sampled is not None:
@@ -94,11 +94,17 @@ def _budget(found: Covariance) -> Table:
             continue
         cells = [significant(v, 3) if clear else "-" for v, clear in zip(values, shown, strict=False)]
         table.add_row(source, *cells)
-    table.add_row("rest: random, second order", *(significant(v, 3) for v in found.rest[: len(names)]))
-    table.add_row("all", *(significant(v, 3) for v in found.spread.deviation[: len(names)]))
+    for name, values in _totals(found):
+        table.add_row(name, *(significant(v, 3) for v in values[: len(names)]))
     more = f"{counted(hidden, 'more source')}, '-' in every column"
     table.caption = f"-: less than {_CLEAR:g} standard errors; not listed: {more}"
     return table
+
+
+def _totals(found: Covariance) -> list[tuple[str, np.ndarray]]:
+    """Standard deviations by everything but the separated sources, and by everything, shape (figures,)."""
+    random = [("random profiles and noise", np.sqrt(found.pairs.random))] if len(found.pairs.changes) else []
+    return [*random, ("rest: second order, lists", found.rest), ("all", found.spread.deviation)]
 
 
 def show_alone(found: Alone, event: EventFigures) -> None:
@@ -127,8 +133,7 @@ def write_budget(found: Covariance, path: Path) -> None:
     """Write the error budget as CSV: rows for each source, the rest, the total, and their standard errors."""
     rows = [
         *found.contributions,
-        ("rest", found.rest),
-        ("all", found.spread.deviation),
+        *_totals(found),
         ("standard error of a source", found.pairs.slope_error),
         ("standard error of all", found.spread.error),
     ]

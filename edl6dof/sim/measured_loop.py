@@ -7,17 +7,20 @@ axes at once: the margins of the linear loop to compare with are those of its ch
 A law that rests within a deadband has a limit cycle.  The prediction is the periodic motion of a relay loop,
 as Hamel and Tsypkin compute it (Tsypkin, Relay Control Systems, 1984), by time steps: the law, allocation and
 modulation that fly, instruments with their delay but no errors, pulses that are late by half the rise of the
-thrust, and the linear plant.  A describing function would take the motion for a sine, but it is a triangle.
+thrust, and the linear plant with its constant torque.  A describing function would take the motion for a
+sine, but it is made of straight lines or, where the air pushes to one side of the deadband, of parabolas.
 Where each firing is one shortest pulse of the thrusters, the rates before and after it add up to a constant,
-and every division of this sum is periodic.  The symmetric one, of shortest period, is predicted, and the
-flight begins with its rate.
+and every division of this sum is periodic.  The symmetric one, of shortest period, is predicted.  Prediction
+and flight begin with the attitude of the moment and the rate of this division.  The limit cycle is that of
+one axis: its firings turn the other axes, too, which would change the division and are held without error.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from math import inf, nan, pi
+from itertools import pairwise
+from math import inf, nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -35,8 +38,11 @@ _PERIODS, _FIRST, _LAST, _DELAY_STEP, _GAIN_STEP = 16, (0.1, 0.4), (0.7, 1.0), 0
 #: Last amplitude of an oscillation that lasts, over the first one, over the push, and over that of the pulses
 #: in the unchanged flight.
 _KEPT, _OF_PUSH, _FLOORS = 0.8, 0.3, 2.0
-#: Time of a limit cycle, of which the first quarter is not evaluated (s); first rate that is tried (rad/s).
-_CYCLES_S, _RATE = 600.0, np.radians(0.1)
+#: Time of a limit cycle (s), and half cycles of it that are evaluated, before noise has changed the division.
+_CYCLES_S, _HALVES = 400.0, 4
+#: First rate that is tried (rad/s); time without a pulse after which a firing has ended (s); time constant at
+#: which the error of the other axes is removed (s).
+_RATE, _QUIET_S, _HOLD_S = np.radians(0.02), 1.0, 20.0
 
 
 class Measured(NamedTuple):
@@ -51,7 +57,7 @@ class Measured(NamedTuple):
 
 
 class LimitCycle(NamedTuple):
-    """Half the range of an attitude error, and the period of its oscillation; NaN without one."""
+    """Half the mean range between turning points of an attitude error, and its period; NaN without one."""
 
     amplitude_deg: float
     period_s: float
@@ -132,77 +138,111 @@ class Push:
 
 
 def limit_cycles(frozen: FrozenFlight, axis: int) -> tuple[LimitCycle, LimitCycle]:
-    """Return the predicted and the flown limit cycle of an axis."""
-    relay, rate = Relay(frozen), _RATE * np.eye(3)[axis]
-    for _ in range(4):
-        half = relay.half_cycle(axis, rate)
-        if half is None:
-            break
-        rate = 0.5 * (rate + half * np.eye(3)[axis])
-    errors = [error[axis] for error, _ in relay.motion(rate, _CYCLES_S)]
+    """Return the predicted and the flown limit cycle of an axis; the other axes are held without error."""
+    relay = Relay(frozen, axis)
+    start = relay.symmetric_rate()
+    predicted = [error for error, *_ in relay.motion(relay.angle, start, _CYCLES_S)]
     frozen.restart()
-    frozen.flight.plant["y"][0, RATE : RATE + 3] = rate
     error = frozen.flight.fsw["demand"]["attitude_error"][0]
-    flown = [float(error[axis]) for _ in frozen.flown(_CYCLES_S)]
-    return oscillation(np.array(errors), frozen.control_s), oscillation(np.array(flown), frozen.control_s)
+    rate = frozen.flight.plant["y"][0, RATE : RATE + 3]
+    others, rate[axis], flown = np.arange(3) != axis, start, []
+    rate[others] = 0.0
+    for _ in frozen.flown(_CYCLES_S):
+        flown.append(float(error[axis]))
+        rate[others] = error[others] / _HOLD_S
+    return oscillation(np.array(predicted), frozen.control_s), oscillation(np.array(flown), frozen.control_s)
 
 
 def oscillation(errors: np.ndarray, step_s: float) -> LimitCycle:
-    """Amplitude and mean period of errors (rad) at equal times, without their first quarter."""
+    """Amplitude and mean period of the first cycles of errors (rad) at equal times, about the middle of their
+    range after the first quarter.
+    """
     late = errors[len(errors) // 4 :]
-    middle = 0.5 * (late.max() + late.min())
-    rising = np.flatnonzero((late[:-1] < middle) & (late[1:] >= middle))
-    if len(rising) < 2:
+    above = errors >= 0.5 * (late.max() + late.min())
+    passed = (np.flatnonzero(above[1:] != above[:-1]) + 1).tolist()
+    turns = [
+        first + int((np.argmax if above[first] else np.argmin)(errors[first:last]))
+        for first, last in pairwise(passed[: 2 + _HALVES])
+    ]
+    if len(turns) < 3:
         return LimitCycle(nan, nan)
-    whole = late[rising[0] : rising[-1]]
-    period = step_s * float(rising[-1] - rising[0]) / (len(rising) - 1)
-    return LimitCycle(float(np.degrees(0.5 * np.ptp(whole))), period)
+    half_s = step_s * (turns[-1] - turns[0]) / (len(turns) - 1)
+    return LimitCycle(float(np.degrees(0.5 * np.mean(np.abs(np.diff(errors[turns]))))), 2.0 * half_s)
 
 
 class Relay:
-    """A frozen flight as a relay loop about the attitude without error."""
+    """An axis of a frozen flight as a relay loop, with the other axes at rest without error.
 
-    def __init__(self, frozen: FrozenFlight) -> None:
-        self.frozen, flight = frozen, frozen.flight
+    Attributes:
+        angle: attitude of the moment, as an angle (rad) about the axis from the attitude without error.
+        steady, stiffness, damping: acceleration without error (rad/s2), by an angle (1/s2), by a rate (1/s).
+    """
+
+    def __init__(self, frozen: FrozenFlight, axis: int) -> None:
+        self.frozen, self.axis, flight = frozen, axis, frozen.flight
         frozen.restart()
         frozen.command()
         y, inputs = flight.plant["y"][0], flight.plant["inputs"]
         q = y[ATTITUDE : ATTITUDE + 4]
-        q[:] = self.q_I2B = _turned(q, flight.fsw["demand"]["attitude_error"][0])
+        error = flight.fsw["demand"]["attitude_error"][0]
+        self.angle = -float(error[axis])
+        q[:] = self._q_I2B = _turned(q, error)
         y[RATE : RATE + 3] = inputs["rcs_moment"] = inputs["rcs_force"] = 0.0
         flight.look()
-        self._steady = flight.work["k"][0, 0, RATE : RATE + 3].copy()
+        self.steady = float(flight.work["k"][0, 0, RATE + axis])
         plant = linear_plant(flight)
-        self._stiffness, self._damping = plant.a[9:, 6:9], plant.a[9:, 9:]
+        self.stiffness, self.damping = (float(plant.a[9 + axis, place + axis]) for place in (6, 9))
         jets = flight.case["vehicle"]["rcs"]["thrusters"][0, : frozen.thrusters]
-        self._age = float(flight.onboard["imu_delay"][0]) + 0.5 * jets["rise"][:, None]
+        self._age = float(flight.onboard["imu_delay"][0]) + 0.5 * jets["rise"]
         force = (jets["thrust"] * jets["thrust_factor"])[:, None] * jets["direction"]
-        self._gained = np.concatenate([np.cross(jets["position"], force), force], axis=1) @ plant.b[9:].T
+        moment = np.cross(jets["position"], force)
+        self._gained = np.concatenate([moment, force], axis=1) @ plant.b[9 + axis]
 
-    def half_cycle(self, axis: int, rate: np.ndarray) -> float | None:
-        """Size of the rate (rad/s) about an axis when its error passes zero the other way; ``None`` if it
-        does not.
+    def symmetric_rate(self) -> float:
+        """Rate (rad/s), from the attitude of the moment on, that a firing reverses without changing its
+        size; zero if the firing always makes it smaller.
         """
-        before = 0.0
-        for error, now in self.motion(rate, 0.5 * _CYCLES_S):
-            if before * error[axis] < 0.0 and now[axis] * rate[axis] < 0.0:
-                return float(abs(now[axis]))
-            before = error[axis]
+        rate = _RATE
+        for _ in range(8):
+            found = self.firing(self.angle, rate)
+            if found is None:
+                rate *= 2.0
+                continue
+            before, after = found
+            # the same torque acts on the way to the firing with another rate: the energies differ equally
+            rate = sqrt(max(rate**2 + (0.5 * (after - before)) ** 2 - before**2, 0.0))
+        return rate
+
+    def firing(self, angle: float, rate: float) -> tuple[float, float] | None:
+        """Rate (rad/s) before and after the first firing that reverses it; ``None`` if there is none."""
+        before = after = nan
+        quiet_s = inf
+        for _, now, gained in self.motion(angle, rate, 0.5 * _CYCLES_S):
+            if gained != 0.0:
+                before = before if quiet_s < _QUIET_S else now
+                quiet_s, after = 0.0, now + gained
+            elif quiet_s >= _QUIET_S and before * after < 0.0:
+                return before, after
+            quiet_s += self.frozen.control_s
         return None
 
-    def motion(self, rate: np.ndarray, seconds: float) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Attitude error (rad) and rate (rad/s) in each control cycle, from no error and ``rate`` on."""
-        frozen, step = self.frozen, self.frozen.control_s
+    def motion(self, angle: float, rate: float, seconds: float) -> Iterator[tuple[float, float, float]]:
+        """Attitude error (rad), rate (rad/s) and change of the rate by pulses in each control cycle, from an
+        ``angle`` (rad) and a ``rate`` on.
+        """
+        frozen, axis, step = self.frozen, self.axis, self.frozen.control_s
         frozen.restart()
-        angle, rate, unseen = np.zeros(3), rate.copy(), np.zeros(3)
+        one, unseen = np.eye(3)[axis], 0.0
+        error = frozen.flight.fsw["demand"]["attitude_error"][0]
         for _ in range(round(seconds / step)):
-            on = frozen.believe(_turned(self.q_I2B, angle), rate - unseen)[:, None]
-            yield frozen.flight.fsw["demand"]["attitude_error"][0].copy(), rate.copy()
-            drift = self._steady + self._stiffness @ angle + self._damping @ rate
+            on = frozen.believe(turned(self._q_I2B, axis, angle), (rate - unseen) * one)
+            drift = self.steady + self.stiffness * angle + self.damping * rate
             pulses = self._gained * on  # from the start of the cycle on
-            unseen = (self._gained * np.clip(on + self._age - step, 0.0, on)).sum(axis=0)
-            angle += rate * step + 0.5 * drift * step**2 + (pulses * (step - 0.5 * on)).sum(axis=0)
-            rate += drift * step + pulses.sum(axis=0)
+            gained = float(pulses.sum())
+            yield float(error[axis]), rate, gained
+            unseen = float(self._gained @ np.clip(on + self._age - step, 0.0, on))
+            angle += rate * step + 0.5 * drift * step**2 + float(pulses @ (step - 0.5 * on))
+            rate += drift * step + gained
 
 
 def _turned(q_I2B: np.ndarray, angles: np.ndarray) -> np.ndarray:

@@ -8,8 +8,18 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from edl6dof.campaign.covariance_estimate import Alone, Pairs, Sampled, fly_alone, fly_covariance, principal
+from edl6dof.campaign.covariance_estimate import (
+    Alone,
+    Covariance,
+    Pairs,
+    Sampled,
+    fly_alone,
+    fly_covariance,
+    principal,
+)
 from edl6dof.campaign.covariance_flights import (
+    EventFigures,
+    Source,
     at_least,
     cases,
     design,
@@ -18,6 +28,7 @@ from edl6dof.campaign.covariance_flights import (
     moments,
     sources,
 )
+from edl6dof.campaign.design.dispersions import Draw
 from edl6dof.campaign.design.plan import load_plan
 from edl6dof.config.errors import ConfigError
 from edl6dof.verify.case import BARE, ENDLESS, ONE_BODY, WEIGHTLESS
@@ -87,6 +98,36 @@ def test_noise_adds_without_bias_and_the_errors_are_true(linear):
     assert mean.std(axis=0) == pytest.approx(mean_error.mean(axis=0), rel=0.12)
     first, slope_error = np.array(whole).transpose(1, 0, 2)
     assert first.std(axis=0) == pytest.approx(slope_error.mean(axis=0), rel=0.12)
+
+
+def test_the_budget_of_sources_random_effects_and_interactions_is_the_variance():
+    """y = slopes z + 2 z1 z2 + noise of 3 + a random effect of 1 at z3 = 1 and of 2 at z3 = -1: the variances
+    are known, and their sum is that of independent flights. Over designs of 24 pairs, an interaction counts
+    24 / 23 times, and as an error of each slope, whose square is reduced by it.
+    """
+    rng, slopes, found = np.random.default_rng(4), np.array([4.0, 0.5, 0.0]), []
+    apart = tuple(Source(f"s{k}", (Draw((None,), None),)) for k in range(3))
+
+    def flown(z):
+        noise = 3.0 * rng.standard_normal(len(z)) + (1.5 - 0.5 * z[:, 2]) * rng.standard_normal(len(z))
+        return (z @ slopes + 2.0 * z[:, 0] * z[:, 1] + noise)[:, None]
+
+    for seed in range(1500):
+        steps = design(3, 0, 24, seed)
+        pairs = Pairs.of(steps, np.vstack([flown(steps), flown(-steps), flown(steps)]))
+        one = Covariance(EventFigures((), ("y",)), pairs, apart, ())
+        found.append([*one.budget[:, 0], pairs.random[0], one.spread.deviation[0] ** 2])
+    first, second, third, random, total = np.mean(found, axis=0)
+    assert [first, second, third] == pytest.approx([16.0, 0.25, 0.0], abs=0.25)
+    assert random == pytest.approx(9.0 + 2.5, rel=0.03)
+    interaction = 4.0 * 24.0 / 23.0
+    assert total - first - second - third - random == pytest.approx(
+        interaction * (1.0 + 3.0 / 24.0), abs=0.35
+    )
+    steps = rng.standard_normal((100_000, 3))
+    assert total == pytest.approx(flown(steps).var(), rel=0.03)
+    still = Pairs.of(design(3, 0, 24, 1), np.ones((48, 1)))
+    assert still.random == pytest.approx([0.0]) and still.changes.shape == (0, 1)
 
 
 def test_a_second_order_shifts_the_mean_and_adds_what_it_should_to_it():
@@ -209,7 +250,7 @@ def test_what_has_no_covariance_is_refused(tmp_path, lines, more, words):
 
 def test_an_event_that_does_not_come_is_refused(tmp_path):
     plan = plan_of(tmp_path, "    initial.speed_m_s: {kind: normal, sigma: 1}\n")
-    with pytest.raises(ConfigError, match="16 of 16 flights do not come to the event"):
+    with pytest.raises(ConfigError, match="24 of 24 flights do not come to the event"):
         fly_covariance(plan, figures_at("parachute"), 8, workers=1)
     with pytest.raises(ConfigError, match="--at: must be entry, parachute"):
         figures_at("landing")

@@ -55,7 +55,7 @@ def test_probability_and_region_are_those_of_the_density(drops, name, side, popu
     worst = max if side > 0.0 else min
     rows = found.failures
     assert rows[0]["peak_dynamic_pressure_pa"] == worst(row["peak_dynamic_pressure_pa"] for row in rows)
-    assert found.flights < 1000 and found.without_figure == {}
+    assert len(found.levels) in (3, 4) and found.flights < 1100 and found.without_figure == {}
 
 
 def test_a_worst_case_flies_again_from_its_file(edl6dof, drops):

@@ -26,7 +26,7 @@ def linear(beta):
     return lambda points: beta - points.deviates.sum(axis=1) / sqrt(INPUTS)
 
 
-def estimated(margins, seed, size=150, populations=4):
+def estimated(margins, seed, size=155, populations=4):
     """Probability with its 90 % interval."""
     return estimate(simulate(margins, inputs=INPUTS, size=size, populations=populations, seed=seed), 0.9)
 
@@ -51,7 +51,7 @@ def test_interval_contains_the_probability_of_a_linear_limit_state():
 @pytest.mark.long
 @pytest.mark.parametrize(
     "p, points, within",
-    [(1e-3, 2480, 0.97), (1e-4, 3180, 0.91), (1e-5, 3900, 0.84), (1e-6, 4610, 0.78), (1e-7, 5340, 0.70)],
+    [(1e-3, 2590, 0.99), (1e-4, 3170, 0.96), (1e-5, 3980, 0.90), (1e-6, 4640, 0.86), (1e-7, 5390, 0.80)],
 )
 def test_interval_of_90_percent_contains_the_truth_in_84_to_95_percent_of_300_repetitions(p, points, within):
     """The numbers are those of the table in docs/howto/assure.md."""
@@ -113,7 +113,7 @@ def test_a_hidden_second_mode_is_found_with_1000_points():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("size, seen, hits", [(150, 0.51, 0.60), (300, 0.78, 0.61), (1000, 0.98, 0.69)])
+@pytest.mark.parametrize("size, seen, hits", [(150, 0.51, 0.61), (300, 0.69, 0.65), (1000, 0.99, 0.81)])
 def test_a_hidden_second_mode_is_missed_with_few_points(size, seen, hits):
     """The numbers are those of docs/howto/assure.md."""
     assert of_hidden_mode(size, 100) == pytest.approx((seen, hits), abs=0.02)
@@ -176,8 +176,10 @@ def test_numbers_are_unique_and_belong_to_their_deviates():
             seen[number] = deviates
         return linear(3.0)(points)
 
-    for run in simulate(margins, inputs=INPUTS, size=100, populations=3, seed=5):
-        assert isinstance(run, Population) and len(run.margins) == 100
+    runs = simulate(margins, inputs=INPUTS, size=100, populations=3, seed=5)
+    assert sum(len(run.margins) for run in runs) == 300
+    for k, run in enumerate(runs):
+        assert isinstance(run, Population) and set(run.points.ancestors % 3) == {k}
         own = zip(run.points.numbers, run.points.deviates, strict=True)
         assert all(np.array_equal(seen[number], deviates) for number, deviates in own)
         assert np.array_equal(run.margins, linear(3.0)(run.points))

@@ -13,6 +13,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from itertools import combinations
 from math import comb
 from typing import Any, get_args
@@ -180,6 +181,9 @@ def dispersions(params: CampaignParams, locator: Locator) -> list[Draw]:
         if target.path in seen:
             locator.refuse(target.place, f"{target.path} is dispersed twice")
         seen.add(target.path)
+    for index, pattern in enumerate(params.constant):
+        if not any(fnmatchcase(path, pattern) for path in seen) and not locator.problems:
+            locator.refuse(("campaign", "constant", index), f"no dispersed parameter is called {pattern}")
     return [draw for draw in draws if _check_kind(draw, locator)]
 
 

@@ -136,6 +136,14 @@ class CampaignParams(Params):
         None, "dispersions of the truth that the flight computer knows", factory=dict
     )
     correlated: list[Correlated] = param(None, "groups of parameters dispersed together", factory=list)
+    constant: list[str] = param(
+        None,
+        (
+            "dispersed parameters that are constant but unknown (epistemic), by dotted path; * stands for "
+            "any text. All others are random from flight to flight (aleatory)"
+        ),
+        factory=list,
+    )
     faults: list[FaultDraw] = param(None, "faults that happen in some of the flights", factory=list)
 
     @model_validator(mode="after")

@@ -16,6 +16,7 @@ import numpy as np
 
 from edl6dof.campaign import assurance as judging
 from edl6dof.campaign.assurance import CONFIDENCE, SHARE, Verdict, judge
+from edl6dof.campaign.constants import Separation, flights_to_separate, separate
 from edl6dof.campaign.row_columns import BELIEF, TRUTH
 from edl6dof.campaign.statistics import percent
 from edl6dof.campaign.store import Store
@@ -24,7 +25,20 @@ from edl6dof.config.errors import refusal
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import DECLARED, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import Cell, Fact, Mood, Report, Row, Section, Table, Text, printed, significant
+from edl6dof.report.document import (
+    Block,
+    Cell,
+    Fact,
+    Mood,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    in_percent,
+    printed,
+    significant,
+)
 
 _MOODS: dict[str, Mood] = {"verified": "good", "undecided": "warn", "violated": "bad"}
 #: Columns that are numbers and no figures of merit.
@@ -37,7 +51,15 @@ flight that ended before it reached the figure, or failed for another reason tha
 every requirement. Each verdict has a consumer risk of its own."""
 _KINDS = """\
 The plan does not separate uncertainties that are random from flight to flight from those that are constant \
-but unknown: each share is an average over both."""
+but unknown (campaign.constant): each share is an average over both."""
+_AVERAGE = "Each share of the verdicts is an average over random and constant uncertainties."
+_CONSTANTS = """\
+Constant but unknown: {}. All other dispersions are random from flight to flight. Due to constants: share of \
+the variance of the figure. Worst tenth: the flights whose constants have the smallest predicted margins. \
+Demonstrated: for nine tenths of the values of the constants, at least this share of the flights meets the \
+requirement, with its confidence, if the share falls with the predicted margin. Moved: share of all flights \
+that meets it with the constants at the edge of the worst tenth, an estimate that takes the random part as \
+independent of the constants."""
 _SAMPLED = {
     "monte_carlo": "The flights are independent.",
     "sobol_indices": "Only the flights of matrices A and B of the design count.",
@@ -72,11 +94,14 @@ class Assurance:
     Attributes:
         results: rows of the campaign.
         verdicts: each requirement with its verdict.
+        separations: for each requirement, its failures where the constants are at their worst; ``None`` if no
+            dispersion is constant, or the flights are too few.
         source: origin of the requirements, in words.
     """
 
     results: Results
     verdicts: tuple[Verdict, ...]
+    separations: tuple[Separation | None, ...]
     source: str
 
     @property
@@ -110,8 +135,13 @@ class Assurance:
             "flights": self.results.success.trials,
             "within_all_limits": self.results.success.successes,
             "requirements": [
-                {**vars(one), "requirement": one.requirement.model_dump(), "worst": self.worst(one)}
-                for one in self.verdicts
+                {
+                    **vars(one),
+                    "requirement": one.requirement.model_dump(),
+                    "worst": self.worst(one),
+                    "constants_at_worst": apart and vars(apart),
+                }
+                for one, apart in zip(self.verdicts, self.separations, strict=True)
             ],
             "next": self.next_command,
             "notes": list(_notes(self)),
@@ -153,9 +183,13 @@ def assess(folder: Path, requirements: Path | None = None) -> Assurance:
     if not wanted:
         raise refusal(folder, "its scenario has no limits: name a file of requirements")
     absent = np.full(len(results.cases), np.nan)
-    figures = (results[one.figure] if results.has(one.figure) else absent for one in wanted)
-    verdicts = (judge(*pair, results.failed) for pair in zip(wanted, figures, strict=True))
-    return Assurance(results, tuple(verdicts), source)
+    figures = [results[one.figure] if results.has(one.figure) else absent for one in wanted]
+    verdicts = [judge(*pair, results.failed) for pair in zip(wanted, figures, strict=True)]
+    constants = np.array(list(results.constants.values())).T
+    kept = (np.where(results.failed, np.nan, own) for own in figures)
+    margins = (one.margins(own) for one, own in zip(wanted, kept, strict=True))
+    separations = [separate(constants, own) if len(constants) else None for own in margins]
+    return Assurance(results, tuple(verdicts), tuple(separations), source)
 
 
 def assurance_report(found: Assurance) -> Report:
@@ -176,6 +210,7 @@ def assurance_report(found: Assurance) -> Report:
         facts=facts,
         sections=[
             Section("requirements", "Requirements", [_requirements(found)]),
+            Section("constants", "Random and constant uncertainties", list(_separated(found))),
             Section("worst", "Worst cases", [_worst_cases(found)]),
             Section("meaning", "Meaning and conditions", list(map(Text, _notes(found)))),
             Section(
@@ -205,6 +240,31 @@ def _requirements(found: Assurance) -> Table:
     return Table(heads, rows)
 
 
+def _separated(found: Assurance) -> Iterator[Block]:
+    """Yield the results for the worst values of the constants, or the reason for having none."""
+    constants, flights = found.results.constants, len(found.results.cases)
+    if not constants:
+        yield Text(_KINDS)
+        return
+    campaign = found.results.document["campaign"]
+    yield Text(_CONSTANTS.format(", ".join(campaign["constant"])))
+    if (needed := flights_to_separate(len(constants))) > flights:
+        yield Text(f"Too few flights: {counted(len(constants), 'constant')} would need {needed:,}.")
+        return
+    heads = ("requirement", "due to constants>", "worst tenth>", "failures>", "demonstrated>", "moved>")
+    rows: list[Row] = []
+    for one, apart in zip(found.verdicts, found.separations, strict=True):
+        share = one.requirement.share
+        if apart is None:
+            rows.append([one.requirement.id, "too few flights with the figure", *[""] * 4])
+            continue
+        low, _ = judging.share_bounds(apart.failures, apart.flights, one.requirement.confidence)
+        cells = in_percent(apart.explained), f"{apart.flights:,}", f"{apart.failures:,}"
+        moved = 1.0 - apart.moved_failures / flights
+        rows.append([one.requirement.id, *cells, _rounded_down(low, share), _rounded_down(moved, share)])
+    yield Table(heads, rows)
+
+
 def _rounded_down(share: float, required: float) -> str:
     """Format a share, rounded down to the decimals of the required one, at least two."""
     places = max(2, len(f"{100.0 * required:g}".partition(".")[2]))
@@ -225,7 +285,7 @@ def _notes(found: Assurance) -> Iterator[str]:
     sampling, until = found.results.document["campaign"]["sampling"], found.results.store.info.until
     yield _MEANING
     yield _SAMPLED.get(sampling) or _STRATIFIED.format(sampling)
-    yield _KINDS
+    yield _AVERAGE if found.results.constants else _KINDS
     if until:
         yield _UNTIL.format(until)
     if found.next_command:

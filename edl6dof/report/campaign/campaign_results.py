@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from edl6dof.campaign.row_columns import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of
+from edl6dof.campaign.row_columns import BELIEF, MATRIX, ROW, TRUTH, A, B, group_of, is_constant
 from edl6dof.campaign.statistics import Proportion
 from edl6dof.campaign.store import Store
 from edl6dof.config.document.source import parse_document
@@ -131,6 +131,13 @@ class Results:
             if name.startswith((TRUTH, BELIEF)) and self.has(name):
                 found.setdefault(group_of(name, campaign), []).append(self[name])
         return {name: np.stack(columns, axis=1) for name, columns in found.items()}
+
+    @cached_property
+    def constants(self) -> dict[str, np.ndarray]:
+        """Dispersed quantities that are constant but unknown, by column, each of shape (n,)."""
+        campaign = self.document.get("campaign") or {}
+        dispersed = (name for name in self.table.column_names if name.startswith((TRUTH, BELIEF)))
+        return {name: self[name] for name in dispersed if self.has(name) and is_constant(name, campaign)}
 
     @cached_property
     def limits(self) -> list[tuple[FigureOfMerit, float]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from edl6dof.campaign.rare import RareFailure
 from edl6dof.campaign.statistics import percent
+from edl6dof.campaign.subset import Level
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Fact, Report, Row, Section, Table, Text, printed, significant
@@ -15,9 +16,10 @@ _SHOWN_FROM, _MOST = 0.1, 8
 #: Share of kept steps below which chains hardly move.
 _STUCK = 0.05
 _MEANING = """\
-The probability is the mean over the populations. Its interval contains the errors by the number of flights \
-and by the correlation of the chains. It does not contain a mode of failure that no population has found: \
-populations whose probabilities or regions differ widely show several modes, or too few flights in a level."""
+The probability is the mean over the populations, which have common levels and first flights of their own. \
+Its interval contains the errors by the number of flights and by the correlation of the chains. It does not \
+contain a mode of failure that no population has found: populations whose probabilities or regions differ \
+widely show several modes, or too few flights in a level."""
 
 
 def rare_report(found: RareFailure) -> Report:
@@ -35,7 +37,7 @@ def rare_report(found: RareFailure) -> Report:
         Fact("populations", f"{len(found.populations)} of {found.request.size}"),
     ]
     sections = [
-        Section("levels", "Levels of each population", [_levels(found, unit)]),
+        Section("levels", "Levels", [*_levels(found, unit)]),
         Section("region", "Region of the failures, in standard deviations of each input", [*_region(found)]),
         Section("worst", "Worst failures", [_worst(found)]),
         Section("meaning", "Meaning and conditions", list(map(Text, _notes(found)))),
@@ -50,17 +52,21 @@ def rare_report(found: RareFailure) -> Report:
     )
 
 
-def _levels(found: RareFailure, unit: str) -> Table:
-    """Return the figure at each level, and the probability, of every population."""
+def _levels(found: RareFailure, unit: str) -> Iterator[Block]:
+    """Yield the figure at each level, and the probability of every population."""
     asked = found.request.requirement
-    rows: list[Row] = []
-    for number, one in enumerate(found.populations, 1):
-        limits = ", ".join(significant(asked.limit - asked.sign * level.below, 3) for level in one.levels)
-        kept = min((level.kept for level in one.levels), default=1.0)
-        rows.append([str(number), f"{one.probability:.2g}", percent(round(kept, 2)), limits or "-"])
-    return Table(
-        ["population>", "probability>", "least steps kept>", f"{asked.figure} of its levels, {unit}"], rows
-    )
+    rows: list[Row] = [
+        [str(number), significant(asked.limit - asked.sign * one.below, 3), f"{one.share:.3f}", _kept(one)]
+        for number, one in enumerate(found.levels, 1)
+    ]
+    if rows:
+        yield Table(["level>", f"{asked.figure}, {unit}>", "share>", "steps kept>"], rows)
+    each = ", ".join(f"{one.probability:.2g}" for one in found.populations)
+    yield Text(f"Probability by each population: {each}.")
+
+
+def _kept(level: Level) -> str:
+    return percent(round(level.kept, 2))
 
 
 def _region(found: RareFailure) -> Iterator[Block]:
@@ -91,6 +97,6 @@ def _notes(found: RareFailure) -> Iterator[str]:
             f"{sum(short.values())} of {len(found.failures)} failures ended before they reached the figure"
         )
         yield f"{words} ({causes}). They count as failures, as the worst ones."
-    least = min((level.kept for one in found.populations for level in one.levels), default=1.0)
+    least = min((level.kept for level in found.levels), default=1.0)
     if least < _STUCK:
         yield f"Only {percent(round(least, 3))} of the steps of a level were kept: use more flights (-n)."
