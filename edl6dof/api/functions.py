@@ -294,7 +294,7 @@ def replay(
     start_s: float | None = None,
     end_s: float | None = None,
     length_s: float | None = None,
-    fps: float = 24.0,
+    fps: float = 30.0,
     force: bool = False,
 ) -> list[Path]:
     """Show the 3D replay of runs, or write it, as ``edl6dof replay`` does; return the paths written.
@@ -311,7 +311,8 @@ def replay(
         video: film (MP4) to write instead.
         start_s: first time of the film, s.
         end_s: last time of the film, s.
-        length_s: duration of the film, s; by default that of the flight, at most 60 s.
+        length_s: duration of the film at constant pace, s; by default about 60 s at most, in real time around
+            the events.
         fps: frames per second of the film.
         force: True to replace existing files.
 

@@ -22,7 +22,12 @@ from edl6dof.campaign.store import Store
 from edl6dof.config.errors import refusal
 from edl6dof.config.wording import unknown
 from edl6dof.replay import browser, viewer
-from edl6dof.replay.history import History, thin, vector
+from edl6dof.replay.film.encoder import encoder
+from edl6dof.replay.film.film import film
+from edl6dof.replay.film.pace import Cut
+from edl6dof.replay.film.stage import library
+from edl6dof.replay.film.titles import COLUMNS as FILMED
+from edl6dof.replay.history import Flown, History, thin, vector
 from edl6dof.replay.pages import CAMPAIGN, TITLES, TOUR
 from edl6dof.replay.recording import history, recorded_span, write_replay
 from edl6dof.replay.scene.ensemble import Ensemble, Trajectory, Worst
@@ -39,7 +44,7 @@ MOST_CASES, RATE_HZ = 2000, 0.5
 #: Worst cases that are marked.
 MOST_WORST = 6
 #: Frames of a film per second by default.
-FPS = 24.0
+FPS = 30.0
 
 
 class Film(NamedTuple):
@@ -51,13 +56,14 @@ class Film(NamedTuple):
     length_s: float | None
     fps: float
 
-    def cut(self, recording: Path) -> viewer.Cut:
-        """Return the part of the flight to film: by default the whole flight, in at most a minute."""
-        first = recorded_span(recording)[0] if self.start_s is None else self.start_s
-        first, last = _time(recording, "--from", first), _time(recording, "--to", self.end_s)
+    def cut(self, flight: History) -> Cut:
+        """Return the part of the flight to film, by default all of it."""
+        span = float(flight.t[0]), float(flight.t[-1])
+        first = _time(span, "--from", span[0] if self.start_s is None else self.start_s)
+        last = _time(span, "--to", self.end_s)
         if first >= last:
             raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
-        return viewer.Cut(first, last, self.length_s or min(last - first, viewer.LENGTH_S), self.fps)
+        return Cut(first, last, self.length_s, self.fps)
 
 
 def show_replay(
@@ -94,26 +100,66 @@ def show_replay(
     for run in runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
-    if video.file is not None:
-        viewer.encoder()  # or the flight would be drawn in vain
-    bare = html is None and (video.file is not None or (screenshot is not None and page == TOUR))
-    with ended_by_signals(), _recording(runs, page, case, bare) as recording:
+    if video.file is not None and page:
+        raise refusal("--page, --tour", "are of the viewer; a film has shots of its own")
+    with ended_by_signals():
+        if video.file is not None:
+            _write_film(runs, video.file, video, case, force)
+        if video.file is None or html is not None or screenshot is not None:
+            _show(
+                runs, web=web, html=html, screenshot=screenshot, at_s=at_s, page=page, case=case, force=force
+            )
+    return targets
+
+
+def _show(
+    runs: Sequence[Path],
+    *,
+    web: bool,
+    html: Path | None,
+    screenshot: Path | None,
+    at_s: float | None,
+    page: str,
+    case: int | None,
+    force: bool,
+) -> None:
+    """Show a recording, or write the page and the picture of it."""
+    bare = html is None and screenshot is not None and page == TOUR
+    with _recording(runs, page, case, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
-                viewer.screenshot(recording, partial, _time(recording, "--at", at_s))
-        if video.file is not None:
-            cut = video.cut(recording)
-            with atomic_file(video.file, force, runs[0]) as partial, count_runs("frames") as progress:
-                viewer.film(recording, partial, cut, progress)
+                viewer.screenshot(recording, partial, _time(recorded_span(recording), "--at", at_s))
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
                 partial.write_bytes(browser.page(recording, title))
-        if not targets and web:
-            browser.serve(browser.page(recording, title))
-        elif not targets:
-            viewer.show(recording)
-    return targets
+        if html is None and screenshot is None:
+            if web:
+                browser.serve(browser.page(recording, title))
+            else:
+                viewer.show(recording)
+
+
+def _write_film(runs: Sequence[Path], file: Path, video: Film, case: int | None, force: bool) -> None:
+    """Write the film of one flight: of a run, of a case of a campaign, or of its nominal flight."""
+    encoder(), library()  # or the flight would be read in vain
+    flight = _filmed(runs, case)
+    cut = video.cut(flight)
+    with atomic_file(file, force, runs[0]) as partial, count_runs("frames") as progress:
+        film(flight, partial, cut, progress)
+
+
+def _filmed(runs: Sequence[Path], case: int | None) -> History:
+    """Return the flight of a film."""
+    alone, *others = runs
+    if others or alone.is_file():
+        raise refusal("--video", "shows one flight; name the folder of one run or campaign")
+    plan = _plan(alone, case)
+    flight: Flown = RecordedFlight(alone) if plan is None else _flown_again(alone, plan, case)[1]
+    found = History(flight, FILMED)
+    if not len(found.t):
+        raise refusal(alone, "no row of the telemetry can be drawn")
+    return found
 
 
 @contextmanager
@@ -145,9 +191,7 @@ def _recording(
     trajectories.
     """
     alone = runs[0]
-    plan = resumed_plan(Store(alone)) if lexists(alone / "campaign.json") else None
-    if case is not None and plan is None:
-        raise refusal("--case", f"needs the folder of a campaign, named first (got {alone})")
+    plan = _plan(alone, case)
     if len(runs) == 1 and alone.is_file():
         yield alone
         return
@@ -160,7 +204,7 @@ def _recording(
     if plan is not None:
         if case is not None or not named:
             label, flight, words = _flown_again(alone, plan, case)
-            labels, flights = [label, *labels], [flight, *flights]
+            labels, flights = [label, *labels], [history(flight), *flights]
         ensemble = _ensemble(alone, plan, f"{labels[0]}, {words}")
     elif len(flights) == 1:
         labels = []
@@ -172,18 +216,26 @@ def _recording(
         yield Path(folder) / REPLAY
 
 
-def _flown_again(folder: Path, plan: Plan, case: int | None) -> tuple[str, History, str]:
+def _plan(folder: Path, case: int | None) -> Plan | None:
+    """Return the plan of a campaign; ``None`` for a run, of which no case can be named."""
+    plan = resumed_plan(Store(folder)) if lexists(folder / "campaign.json") else None
+    if case is not None and plan is None:
+        raise refusal("--case", f"needs the folder of a campaign, named first (got {folder})")
+    return plan
+
+
+def _flown_again(folder: Path, plan: Plan, case: int | None) -> tuple[str, Flown, str]:
     """Fly a case of a campaign again, or the nominal flight; return name, flight and a text about it.
 
     Raises:
         ConfigError: there is no such case.
     """
     if case is None:
-        return "nominal", history(fly(plan.loaded)), NOMINAL
+        return "nominal", fly(plan.loaded), NOMINAL
     flight = refly_case(plan, Store(folder).table(), folder, case)
     differs = ", ".join(flight.differences)
     words = f"differs from its row in {differs}" if differs else "identical to its row"
-    return f"case {case}", history(flight), f"flown again, {words}."
+    return f"case {case}", flight, f"flown again, {words}."
 
 
 def _ensemble(folder: Path, plan: Plan, followed: str) -> Ensemble:
@@ -194,9 +246,9 @@ def _ensemble(folder: Path, plan: Plan, followed: str) -> Ensemble:
     return Ensemble(trajectories(plan, drawn), worst, followed)
 
 
-def _time(recording: Path, option: str, asked_s: float | None) -> float:
-    """Return the requested time of the recording, s, or by default its end; refuse one outside it."""
-    first, last = recorded_span(recording)
+def _time(span: tuple[float, float], option: str, asked_s: float | None) -> float:
+    """Return the requested time within a span (s), or by default its end; refuse one outside it."""
+    first, last = span
     if asked_s is None:
         return last
     if not first <= asked_s <= last:

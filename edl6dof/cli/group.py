@@ -78,7 +78,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "edl6dof replay runs/tianwen1",
         "edl6dof replay runs/tianwen1 --html flight.html",
         "edl6dof replay runs/tianwen1 --screenshot entry.png --at 120",
-        "edl6dof replay runs/tianwen1 --tour --video flight.mp4",
+        "edl6dof replay runs/tianwen1 --video flight.mp4",
         "edl6dof replay runs/tianwen1_mc --case 17",
     ),
     "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),

@@ -52,15 +52,15 @@ def replay(
     ] = None,
     tour: Annotated[bool, flag("Show page Tour first: cameras that follow the stages.", "--tour")] = False,
     video: Annotated[
-        Path | None, option("FILE", "Write a film (MP4) of the page; needs ffmpeg or the extra 'video'.")
+        Path | None, option("FILE", "Write a film (MP4) of the flight; needs the extra 'video'.")
     ] = None,
     start: Annotated[float | None, option("T", "First time of the film, s.", "--from")] = None,
     end: Annotated[float | None, option("T", "Last time of the film, s.", "--to")] = None,
     length: Annotated[
         float | None,
-        option("S", "Duration of the film, s; by default that of the flight, at most 60 s.", min=0.1),
+        option("S", "Duration of the film at constant pace, s; by default a minute, slow around events.", min=0.1),
     ] = None,
-    fps: Annotated[float, option("N", "Frames per second of the film.", min=1.0, max=120.0)] = 24.0,
+    fps: Annotated[float, option("N", "Frames per second of the film.", min=1.0, max=120.0)] = 30.0,
     force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,
 ) -> int:
     """Show the 3D replay of one flight, or of several in one scene.

@@ -12,4 +12,4 @@ class NoViewer(ViewerFailed):
 
 
 class NoFilm(RuntimeError):
-    """There is no encoder, or it ended with an error; the text says which."""
+    """A library or the encoder is missing, or the encoder ended with an error; the text says which."""

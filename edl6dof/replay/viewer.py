@@ -1,5 +1,4 @@
-"""The viewer: opens a recording on the desktop, or draws pictures of it without a window, which ffmpeg joins
-to a film.
+"""The viewer: opens a recording on the desktop, or draws a picture of it without a window.
 
 The text of a failure says what the machine lacks.
 """
@@ -7,22 +6,18 @@ The text of a failure says what the machine lacks.
 from __future__ import annotations
 
 import os
-import shutil
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
-from importlib import import_module
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import IO, NamedTuple
+from typing import IO
 
-import numpy as np
-
-from edl6dof.replay.failures import NoFilm, NoViewer, ViewerFailed
+from edl6dof.replay.failures import NoViewer, ViewerFailed
 from edl6dof.replay.pages import TIMELINE
 
 HOST = "127.0.0.1"
@@ -51,10 +46,8 @@ _TIED = (
 #: Time (s) in which a recording is loaded and the notices of the start fade; and time after which a picture
 #: that still changes counts as never finished.
 START_S, MOST_S = 2.5, 60.0
-#: Width and height of a picture and of a film in pixels.
-PICTURE, FILM = (1920, 1080), (1280, 720)
-#: Longest film (s) if no length is given.
-LENGTH_S = 60.0
+#: Width and height of a picture in pixels.
+PICTURE = (1920, 1080)
 
 
 class Program:
@@ -184,49 +177,25 @@ def screenshot(recording: Path, picture: Path, t: float, size: tuple[int, int] =
         NoViewer: this machine lacks what it needs.
         ViewerFailed: it ended with an error, or never finishes drawing.
     """
-    with drawing(recording, t, size) as draw:
-        picture.write_bytes(draw(t))
-
-
-@contextmanager
-def drawing(recording: Path, t: float, size: tuple[int, int]) -> Iterator[Callable[[float], bytes]]:
-    """Open a viewer without a window and return a function that draws the recording at a time (s) as PNG,
-    first at ``t``.
-
-    No picture is drawn while it loads: with a software renderer, an incomplete picture costs as much as the
-    loading.
-
-    Raises:
-        NoViewer: this machine lacks what it needs.
-        ViewerFailed: it ended with an error, or never finishes drawing.
-    """
     import rerun as rr
 
     port, window = free_port(), f"{size[0]}x{size[1]}"
     options = ("--headless", "--port", str(port), "--window-size", window, "--hide-welcome-screen")
     with TemporaryDirectory(prefix="edl6dof-") as folder, running(*options) as program:
-        picture = Path(folder) / "picture.png"
-
-        def go_to(at_s: float) -> None:
-            with program.asked():
-                viewer.set_time(TIMELINE, duration=at_s, play_state="paused")
-
-        def draw(at_s: float) -> bytes:
-            go_to(at_s)
-            return _settled(look)
+        shot = Path(folder) / "picture.png"
 
         def look() -> bytes:
             with program.asked():
-                viewer.save_screenshot(str(picture))  # returns when it is painted and saved
-            return picture.read_bytes()
+                viewer.save_screenshot(str(shot))  # returns when it is painted and saved
+            return shot.read_bytes()
 
         program.wait_for(port)
         with program.asked():
             viewer = rr.experimental.ViewerClient.connect(f"rerun+http://{HOST}:{port}/proxy")
             viewer.open(str(recording.resolve()))
-        go_to(t)
-        time.sleep(START_S)
-        yield draw
+            viewer.set_time(TIMELINE, duration=t, play_state="paused")
+        time.sleep(START_S)  # with a software renderer, an incomplete picture costs as much as the loading
+        picture.write_bytes(_settled(look))
 
 
 def _settled(look: Callable[[], bytes]) -> bytes:
@@ -238,73 +207,3 @@ def _settled(look: Callable[[], bytes]) -> bytes:
             return now
         before = now
     raise ViewerFailed("the viewer did not finish drawing")
-
-
-class Cut(NamedTuple):
-    """First and last time of the flight (s), length of the film (s), and frames per second."""
-
-    first_s: float
-    last_s: float
-    length_s: float
-    fps: float
-
-    @property
-    def times(self) -> np.ndarray:
-        """Time of the flight (s) at each frame, evenly spaced."""
-        return np.linspace(self.first_s, self.last_s, max(2, round(self.length_s * self.fps)))
-
-
-def encoder() -> str:
-    """Return the ffmpeg program: that of the machine, or of the package imageio-ffmpeg.
-
-    Raises:
-        NoFilm: there is neither.
-    """
-    found = shutil.which("ffmpeg")
-    if found is None and find_spec("imageio_ffmpeg") is not None:
-        with suppress(RuntimeError):  # the package contains no program for this machine
-            found = str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
-    if found is None:
-        raise NoFilm(
-            "a film needs ffmpeg, which is not on this machine: install it (Debian: apt-get install ffmpeg), "
-            "or the extra of this package that brings one (pip install 'edl6dof[video]')"
-        )
-    return found
-
-
-def film(recording: Path, target: Path, cut: Cut, progress: Callable[[int, int], None]) -> None:
-    """Write a film (MP4) of the recording; ``progress`` is called after each frame with the counts done and
-    in all.
-
-    Raises:
-        NoFilm: there is no encoder, or it ended with an error.
-        ViewerFailed: the viewer lacks something, or ended with an error.
-    """
-    times, program = cut.times, encoder()
-    with drawing(recording, float(times[0]), FILM) as draw, _encoding(program, target, cut.fps) as frames:
-        for k, t in enumerate(times):
-            frames.write(draw(float(t)))
-            progress(k + 1, len(times))
-
-
-@contextmanager
-def _encoding(program: str, target: Path, fps: float) -> Iterator[IO[bytes]]:
-    """Open a stream for the frames (PNG), one after the other; the block's end completes the film."""
-    words = [program, "-y", "-loglevel", "error", "-f", "image2pipe", "-framerate", f"{fps:g}", "-c:v", "png"]
-    words += ["-i", "-", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
-    with TemporaryFile() as log:
-        process = subprocess.Popen(
-            words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log, bufsize=0
-        )
-        assert process.stdin is not None
-        try:
-            with process.stdin, suppress(BrokenPipeError):  # it has ended, and says why
-                yield process.stdin
-            status = process.wait()
-        finally:
-            process.kill()
-            process.wait()
-        if status:
-            log.seek(0)
-            words = log.read().decode(errors="replace").split("\n")
-            raise NoFilm(f"ffmpeg ended with status {status}: {' '.join(words).strip()[-200:]}")

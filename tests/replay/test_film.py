@@ -1,22 +1,33 @@
-"""Films: what is missing is said before anything is drawn, frames at even times, a whole file or none."""
+"""Films: pace, shots, captions and pictures of a flight; what is missing is said before anything is drawn; a
+whole file or none.
+"""
 
 from __future__ import annotations
 
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import END
+from made_up import END, SHELL
 
+from edl6dof.api import replays
 from edl6dof.api.arguments import naming_options
 from edl6dof.cli.group import UNAVAILABLE
 from edl6dof.cli.run_outputs import replay
 from edl6dof.config.errors import ConfigError
-from edl6dof.replay import viewer
-from edl6dof.replay.viewer import Cut, NoFilm, NoViewer
+from edl6dof.replay.failures import NoFilm
+from edl6dof.replay.film import encoder as encoders
+from edl6dof.replay.film import film as films
+from edl6dof.replay.film.pace import LENGTH_S, STILL_S, Cut, frame_times, shown_events
+from edl6dof.replay.film.shots import shot_list, views
+from edl6dof.replay.film.titles import COLUMNS, Titles
+from edl6dof.replay.history import History
+from edl6dof.replay.scene import craft_shapes
+from edl6dof.replay.scene.poses import Motion
+from edl6dof.spatial import rotations as turns
 
 #: A program that keeps what it reads in the file named last, as ffmpeg does.
 KEEPS = "import sys; open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())"
@@ -24,16 +35,30 @@ KEEPS = "import sys; open(sys.argv[-1], 'wb').write(sys.stdin.buffer.read())"
 FAILS = "import sys; open(sys.argv[-1], 'wb').write(b'part'); sys.exit('Unknown encoder')"
 
 
+@pytest.fixture(scope="module")
+def filmed(made_up_flight) -> History:
+    """The made-up flight, as read for a film."""
+    return History(made_up_flight, COLUMNS)
+
+
 @pytest.fixture
-def drawn(monkeypatch) -> list[float]:
-    """Times of the frames that were drawn, by a viewer that draws the time itself."""
+def given(filmed, monkeypatch) -> None:
+    """Lets the command film the made-up flight, whatever folder is named."""
+    pytest.importorskip("pyvista")
+    monkeypatch.setattr(replays, "_filmed", lambda *_: filmed)
+
+
+@pytest.fixture
+def drawn(given, monkeypatch) -> list[float]:
+    """Times of the frames that were drawn, by a stage that draws one pixel."""
     times: list[float] = []
 
-    @contextmanager
-    def drawing(*_: object) -> Iterator[Callable[[float], bytes]]:
-        yield lambda t: times.append(t) or f"{t:.3f} ".encode()
+    def pixels(_: History, at: np.ndarray, *__: object) -> Iterator[np.ndarray]:
+        for t in at:
+            times.append(float(t))
+            yield np.full((1, 1, 3), 7, np.uint8)
 
-    monkeypatch.setattr(viewer, "drawing", drawing)
+    monkeypatch.setattr(films, "drawn", pixels)
     return times
 
 
@@ -52,71 +77,140 @@ def encoder(tmp_path, monkeypatch) -> Callable[[str], None]:
     return put
 
 
-def run_replay(recording: Path, video: Path | None, *asked: float | None, force: bool = False) -> int:
+def run_replay(run: Path, video: Path | None, *asked: float | None, **more: object) -> int:
     """Status of the command, whose film has these first and last times, length and frames per second."""
     with naming_options():
-        return replay(
-            [recording],
-            video=video,
-            force=force,
-            **dict(zip(("start", "end", "length", "fps"), asked, strict=False)),
-        )
+        named = dict(zip(("start", "end", "length", "fps"), asked, strict=False))
+        return replay([run], video=video, **named, **more)
 
 
-def test_frames_are_even_in_time_from_first_to_last(recording, tmp_path, drawn, encoder):
+def test_a_given_length_is_filmed_at_even_times_from_first_to_last(tmp_path, drawn, encoder):
     encoder(KEEPS)
     target = tmp_path / "flight.mp4"
-    assert run_replay(recording, target, 4.0, 10.0, 1.5, 10.0) == 0
+    assert run_replay(tmp_path / "bin/ffmpeg", target, 4.0, 10.0, 1.5, 10.0) == 0
     assert np.allclose(drawn, np.linspace(4.0, 10.0, 15))
-    assert target.read_text().split() == [f"{t:.3f}" for t in drawn]
+    assert target.read_bytes() == 15 * bytes([7, 7, 7])
 
 
-@pytest.mark.parametrize(("asked", "length_s"), [((), END), ((2.0,), END - 2.0), ((None, None, 3.0), 3.0)])
-def test_a_film_lasts_as_long_as_the_flight_unless_told(recording, tmp_path, drawn, encoder, asked, length_s):
+def test_a_short_flight_is_filmed_in_real_time_and_its_end_stays(tmp_path, drawn, encoder):
     encoder(KEEPS)
-    assert run_replay(recording, tmp_path / "flight.mp4", *asked) == 0
-    assert len(drawn) == round(24.0 * length_s)
-    assert drawn[-1] == pytest.approx(END)
+    assert run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4") == 0
+    assert len(drawn) == round(30.0 * (END + STILL_S))
+    assert np.allclose(drawn[: round(30.0 * END)], np.linspace(0.0, END, round(30.0 * END)))
+    assert set(drawn[-round(30.0 * STILL_S) :]) == {drawn[-1]}
 
 
-def test_without_an_encoder_nothing_is_drawn_and_the_remedy_is_said(
-    recording, tmp_path, drawn, monkeypatch, capsys
+@pytest.mark.parametrize(
+    ("last_s", "moments"),
+    [
+        (540.0, [120.0, 280.0, 281.0, 310.0, 446.0]),
+        (9000.0, [4.2, 8990.0]),
+        (600.0, list(range(10, 590, 25))),
+    ],
+)
+def test_a_long_flight_takes_a_minute_and_is_slow_around_its_events(last_s, moments):
+    fps = 30.0
+    times = frame_times(Cut(3.0, last_s, None, fps), moments)
+    assert len(times) == pytest.approx(LENGTH_S * fps, abs=2)
+    assert (times[0], times[-1]) == (3.0, last_s)
+    pace = np.diff(times[: -round(STILL_S * fps)]) * fps
+    assert np.all(pace > 0.0)
+    near = np.abs(times[: len(pace), None] - moments).min(axis=1) < 0.5
+    assert pace[near].max() < 0.4 * pace.max()
+    if len(moments) < 10:
+        assert pace[near].max() < 1.1
+
+
+def test_each_event_has_its_caption_when_it_happens(filmed):
+    times = films.times_of(filmed, Cut(0.0, END, None, 30.0))
+    titles = Titles(filmed, times, (320, 180), 30.0)
+    shown = shown_events(filmed.events)
+    assert {one["key"] for one in shown} >= {"diagnosis"}
+    assert [words for _, words, _ in titles.captions] == [_capitalised(one["name"]) for one in shown]
+    for (frame, *_), event in zip(titles.captions, shown, strict=True):
+        assert 0.0 <= times[frame] - event["t_s"] < 1.0 / 30.0 + 1e-3
+
+
+def _capitalised(words: str) -> str:
+    return words[:1].upper() + words[1:]
+
+
+@pytest.mark.parametrize(("since", "until"), [(SHELL - 1.0, SHELL + 3.0), (END - 2.0, END)])
+def test_the_lander_is_large_at_backshell_release_and_touchdown(filmed, since, until):
+    motion, height = Motion(filmed), films.SIZE[1]
+    times = np.linspace(since, until, 40)
+    shots = shot_list(motion, filmed.when, filmed.events)
+    mesh = craft_shapes.lander(motion.vehicle, motion.shape)
+    for t, view in zip(times, views(motion, shots, times, 30.0), strict=True):
+        row = np.searchsorted(motion.t, t)
+        place = motion.nose[row] + turns.rotate(motion.rotation[row], mesh.positions)
+        assert np.ptp(_pixels(place, view, height)) >= 60.0
+
+
+def _pixels(place: np.ndarray, view: object, height: int) -> np.ndarray:
+    """Vertical places of points in a picture ``height`` pixels high."""
+    ahead = view.aim - view.eye
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, view.up)
+    above = np.cross(right / np.linalg.norm(right), ahead)
+    seen = place - view.eye
+    return 0.5 * height * (seen @ above) / (seen @ ahead) / np.tan(0.5 * np.radians(view.field_deg))
+
+
+def test_a_film_shows_the_lander_on_the_ground(filmed, tmp_path):
+    pytest.importorskip("pyvista")
+    try:
+        program = encoders.encoder()
+    except NoFilm as missing:
+        pytest.skip(str(missing))
+    target, size = tmp_path / "flight.mp4", (320, 180)
+    films.film(filmed, target, Cut(END - 1.0, END, 1.0, 5.0), lambda *_: None, size)
+    words = [program, "-loglevel", "error", "-i", str(target), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    pixels = subprocess.run(words, capture_output=True, check=True).stdout
+    frames = np.frombuffer(pixels, np.uint8).reshape(-1, size[1], size[0], 3).astype(float)
+    assert len(frames) == 5
+    sky, middle = frames[-1, :20].mean(axis=(0, 1)), frames[-1, 70:110, 130:190]
+    assert sky.min() > 30.0  # by day
+    assert (np.abs(middle - sky).max(axis=-1) > 40.0).mean() > 0.2
+
+
+@pytest.mark.parametrize("lacking", ["ffmpeg", "pyvista"])
+def test_what_is_lacking_is_said_before_anything_is_drawn(
+    tmp_path, drawn, encoder, monkeypatch, capsys, lacking
 ):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr(viewer, "find_spec", lambda _: None)
-    monkeypatch.setattr(viewer, "running", lambda *_: pytest.fail("the viewer was started"))
-    assert run_replay(recording, tmp_path / "flight.mp4") == UNAVAILABLE
+    encoder(KEEPS)
+    if lacking == "ffmpeg":
+        monkeypatch.setenv("PATH", str(tmp_path))
+        monkeypatch.setattr(encoders, "find_spec", lambda _: None)
+    else:
+        monkeypatch.setitem(sys.modules, "pyvista", None)
+    assert run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4") == UNAVAILABLE
     said = capsys.readouterr().err
-    assert "apt-get install ffmpeg" in said and "edl6dof[video]" in said and len(said.splitlines()) == 1
-    assert drawn == [] and list(tmp_path.iterdir()) == []
+    assert lacking in said and "pip install 'edl6dof[video]'" in said and len(said.splitlines()) == 1
+    assert drawn == [] and [path.name for path in tmp_path.iterdir()] == ["bin"]
 
 
-def test_an_encoder_that_fails_says_why_and_leaves_nothing(recording, tmp_path, drawn, encoder, capsys):
+def test_an_encoder_that_fails_says_why_and_leaves_nothing(tmp_path, drawn, encoder, capsys):
     encoder(FAILS)
-    assert run_replay(recording, tmp_path / "flight.mp4") == UNAVAILABLE
+    assert run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4") == UNAVAILABLE
     assert "ffmpeg ended with status 1: Unknown encoder" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["bin"]
 
 
-def test_an_interrupted_film_leaves_the_one_that_was_there(recording, tmp_path, monkeypatch, encoder):
+def test_an_interrupted_film_leaves_the_one_that_was_there(tmp_path, given, monkeypatch, encoder):
     encoder(KEEPS)
 
-    @contextmanager
-    def drawing(*_: object) -> Iterator[Callable[[float], bytes]]:
-        def interrupted(t: float) -> bytes:
-            if t > 10.0:
-                raise KeyboardInterrupt
-            return b"frame"
+    def interrupted(*_: object) -> Iterator[np.ndarray]:
+        yield np.zeros((1, 1, 3), np.uint8)
+        raise KeyboardInterrupt
 
-        yield interrupted
-
-    monkeypatch.setattr(viewer, "drawing", drawing)
-    target = tmp_path / "flight.mp4"
+    monkeypatch.setattr(films, "drawn", interrupted)
+    run, target = tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4"
     target.write_bytes(b"mine")
     with pytest.raises(ConfigError, match="exists"):
-        run_replay(recording, target)
+        run_replay(run, target)
     with pytest.raises(KeyboardInterrupt):
-        run_replay(recording, target, force=True)
+        run_replay(run, target, force=True)
     assert target.read_bytes() == b"mine"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bin", "flight.mp4"]
 
@@ -129,29 +223,25 @@ def test_an_interrupted_film_leaves_the_one_that_was_there(recording, tmp_path, 
         ((9.0, 4.0), "--to: 4 s is"),
     ],
 )
-def test_times_that_make_no_film_are_refused(recording, tmp_path, drawn, encoder, asked, words):
+def test_times_that_make_no_film_are_refused(tmp_path, drawn, encoder, asked, words):
     encoder(KEEPS)
     with pytest.raises(ConfigError, match=words):
-        run_replay(recording, tmp_path / "flight.mp4", *asked)
+        run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4", *asked)
     assert drawn == []
 
 
-def test_another_kind_of_file_is_refused(recording, tmp_path, drawn):
+def test_what_cannot_be_filmed_is_refused(recording, tmp_path):
+    pytest.importorskip("pyvista")
     with pytest.raises(ConfigError, match=r"flight\.mkv: .*\.mp4"):
         run_replay(recording, tmp_path / "flight.mkv")
-    assert drawn == []
-
-
-def test_times_without_a_film_are_refused(recording):
     with pytest.raises(ConfigError, match="--video FILE"):
         run_replay(recording, None, 3.0)
+    with pytest.raises(ConfigError, match="--video: shows one flight"):
+        run_replay(recording, tmp_path / "flight.mp4")
 
 
-def test_a_real_film_of_five_frames(recording, tmp_path):
-    target = tmp_path / "flight.mp4"
-    try:
-        viewer.film(recording, target, Cut(15.0, 16.0, 0.5, 10.0), lambda *_: None)
-    except (NoFilm, NoViewer) as missing:
-        pytest.skip(str(missing))
-    assert target.read_bytes()[4:8] == b"ftyp"
-    assert target.stat().st_size > 10_000
+def test_a_page_is_not_filmed(tmp_path, drawn):
+    (tmp_path / "run").mkdir()
+    with pytest.raises(ConfigError, match="a film has shots of its own"):
+        run_replay(tmp_path / "run", tmp_path / "flight.mp4", page="Tour")
+    assert drawn == []

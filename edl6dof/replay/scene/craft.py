@@ -94,9 +94,8 @@ class Vehicle(Recorder):
         """Write the glow at the temperature at which a surface radiates its heat flux as a black body."""
         rows = thin(self.t, 2.0)
         rows = rows[rows < (len(self.t) if until is None else until)]
-        heat = np.maximum(np.nan_to_num(self.flight["truth.heat_flux_w_cm2"]), 0.0)[rows]
-        glow = np.clip(((heat / _RADIATED) ** 0.25 - _GLOWS) / (_BRIGHT - _GLOWS), 0.0, 1.0)[:, None]
-        tint = np.column_stack([cold + (HOT - cold) * glow, np.full(len(rows), 255.0)]).astype(np.uint8)
+        hot = glow(self.flight["truth.heat_flux_w_cm2"][rows])[:, None]
+        tint = np.column_stack([cold + (HOT - cold) * hot, np.full(len(rows), 255.0)]).astype(np.uint8)
         self.columns(entity, self.t[rows], self.rr.Mesh3D.columns(albedo_factor=tint))
 
     def _legs(self) -> None:
@@ -179,14 +178,8 @@ class Descent(Recorder):
             self.at(self.t[gone], f"{self.root}/backshell/bridle", bridle)
 
     def _bridle(self, number: int) -> rr.LineStrips3D:
-        """The bridle of a parachute, from its attachments or from around the lid to the confluence."""
-        chute = self.vehicle.parachutes[number]
-        ends = [list(one) for one in chute.bridle_attachments_m]
-        if not ends and self.motion.shape.afterbody:
-            x, r = self.motion.shape.afterbody[-1]
-            ends = [[x, r * np.cos(a), r * np.sin(a)] for a in (0.0, 2.1, 4.2)]
-        ends = ends or [list(self.motion.shape.centre)]
-        strips = [[end, list(chute.confluence_m)] for end in ends]
+        """The bridle of a parachute."""
+        strips = shapes.bridle(self.vehicle, self.motion.shape, number)
         return self.rr.LineStrips3D(strips, colors=LINE, radii=-1.0)
 
     def _discarded(self, name: str, shown_as: str, place: np.ndarray, mesh: Mesh) -> None:
@@ -264,6 +257,12 @@ class Flames(Recorder):
             shape = self.mesh(plume(layer == "core"), albedo_factor=[255, 255, 255, opacity])
             self.at(self.t[rows[0]], entity, shape)
             self.columns(entity, self.t[rows], poses)
+
+
+def glow(heat_w_cm2: np.ndarray) -> np.ndarray:
+    """Return how bright surfaces glow, 0 to 1, at the temperature at which they radiate their heat flux."""
+    heat = np.maximum(np.nan_to_num(heat_w_cm2), 0.0)
+    return np.clip(((heat / _RADIATED) ** 0.25 - _GLOWS) / (_BRIGHT - _GLOWS), 0.0, 1.0)
 
 
 def _burning(length: np.ndarray, firing: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -129,6 +129,19 @@ def canopy(vehicle: VehicleParams, number: int) -> tuple[Mesh, np.ndarray]:
     return mesh, np.concatenate([np.array([[[0.0, 0.0, 0.0], riser]]), lower, upper])
 
 
+def bridle(vehicle: VehicleParams, shape: Outline, number: int) -> np.ndarray:
+    """Return the bridle of a parachute, from its attachments or from around the lid to the confluence, as
+    segments (n, 2, 3), m in B.
+    """
+    chute = vehicle.parachutes[number]
+    ends = [list(one) for one in chute.bridle_attachments_m]
+    if not ends and shape.afterbody:
+        x, r = shape.afterbody[-1]
+        ends = [[x, r * cos(a), r * sin(a)] for a in (0.0, 2.1, 4.2)]
+    ends = ends or [list(shape.centre)]
+    return np.array([[end, list(chute.confluence_m)] for end in ends])
+
+
 def lander(vehicle: VehicleParams, shape: Outline) -> Mesh | None:
     """Return body, deck and rover, as large as the aeroshell allows, and struts to nozzles and engines."""
     if shape.lander == "none":

@@ -1,0 +1,1 @@
+"""The film of a flight: pace, shots, stage, titles and encoder."""
