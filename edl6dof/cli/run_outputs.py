@@ -58,7 +58,9 @@ def replay(
     end: Annotated[float | None, option("T", "Last time of the film, s.", "--to")] = None,
     length: Annotated[
         float | None,
-        option("S", "Duration of the film at constant pace, s; by default a minute, slow around events.", min=0.1),
+        option(
+            "S", "Duration of the film at constant pace, s; by default a minute, slow at events.", min=0.1
+        ),
     ] = None,
     fps: Annotated[float, option("N", "Frames per second of the film.", min=1.0, max=120.0)] = 30.0,
     force: Annotated[bool, flag("Also replace files that you made or changed.", "--force")] = False,

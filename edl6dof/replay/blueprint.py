@@ -25,7 +25,7 @@ TRAIL_S = 60.0
 SPACE = (10, 9, 12)
 #: Entities that only other views show.
 _FRAMES = ("near", "vehicle/attitude_frame")
-#: Legend of the hazard map, beams of the radar, and what a film leaves out: these, hazard map and lidar.
+#: Legend of the hazard map, beams of the radar, and what a bare view leaves out: these, hazard map and lidar.
 _KEY, _BEAMS = "hazards/legend", "vehicle/beams"
 _AIDS = (_BEAMS, "hazards")
 _NOT_CHASE = ("campaign", "path", "markers", "labels", "drop_line", "ground_track", _KEY, *_FRAMES)
@@ -83,7 +83,7 @@ class Layout:
 
     def blueprint(self, active: str = "Flight", bare: bool = False) -> rrb.Blueprint:
         """Return all pages that have data, page ``active`` in front; page Tour alone, and every page if
-        ``bare``, which leaves out the viewer's own controls, as in a film.
+        ``bare``, which leaves out the viewer's own controls, as in a picture of the tour.
         """
         rrb, when = self.rrb, self.flight.when
         clock = rrb.TimePanel(

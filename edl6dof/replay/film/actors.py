@@ -11,7 +11,8 @@ from edl6dof.replay.film.stage import Stage, Track, pose
 from edl6dof.replay.history import History
 from edl6dof.replay.scene import craft_shapes as shapes
 from edl6dof.replay.scene.craft import LINE, glow
-from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, plume, revolve
+from edl6dof.replay.scene.ground import RINGS, dust, dust_ring, puffs
+from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, merge, plume, revolve, sphere
 from edl6dof.replay.scene.poses import Motion, OpenParachute
 from edl6dof.spatial import rotations as turns
 
@@ -19,6 +20,8 @@ from edl6dof.spatial import rotations as turns
 _LEAST = 0.02
 #: Heights (m) over which the shadow fades by e, and its opacity.
 _FADES_M, _DARK = 60.0, 0.62
+#: Opacity of the thickest dust.
+_DUST = 0.3
 #: Tint of a cold heat shield, of one that glows, and of the gas in front of it.
 _COLD, _HOT, _GAS = 104.0 / 255.0, (255, 140, 60), (255, 170, 105)
 
@@ -41,6 +44,7 @@ class Cast:
             self._parachute(flown)
         self._flames()
         self._shadow()
+        self._dust()
 
     def show(self, t: float) -> None:
         """Put every actor in its place at time ``t`` (s)."""
@@ -239,6 +243,37 @@ class Cast:
             actor.prop.opacity = _DARK * float(np.exp(-height / _FADES_M))
 
         self._updates.append(update)
+
+    def _dust(self) -> None:
+        """Add rings of dust that run outwards under the engines, as thick as the plume presses."""
+        if not self.vehicle.engines:
+            return
+        site, thrust = self.motion.site, self.flight["truth.engine_thrust_n"]
+        nozzle = np.append(np.mean([engine.nozzle_m for engine in self.vehicle.engines], axis=0), 1.0)
+        rings = [self.stage.add_gas(*_ring(ring, site.appearance.haze)) for ring in range(RINGS)]
+
+        def update(t: float) -> None:
+            mouth = (self.body.at(t) @ nozzle)[:3]
+            up = float(site.ground(mouth[0], mouth[1])[1])
+            height = np.array(max(float(mouth[2]) - up, 0.5))
+            thick = float(dust(np.array(np.interp(t, self.t, thrust)), height))
+            for number, actor in enumerate(rings):
+                actor.visibility = thick > 0.0
+                if actor.visibility:
+                    run, wide = dust_ring(np.array(t), height, number)
+                    size = np.array([wide, wide, 0.4 * wide + 0.3])
+                    actor.user_matrix = pose(np.array([*mouth[:2], up]), np.array([1.0, 0.0, 0.0, 0.0]), size)
+                    actor.prop.opacity = _DUST * thick * float(np.sin(np.pi * run))
+
+        self._updates.append(update)
+
+
+def _ring(seed: int, colour: Any) -> tuple[Mesh, np.ndarray]:
+    """Puffs of a ring of dust of unit radius, and the opacity of their vertices."""
+    ball = sphere(9, 16, 0.01).reshape(-1, 3)
+    one = Mesh(ball, grid_triangles(9, 16), ball, np.tile(np.array(colour, np.uint8), (len(ball), 1)))
+    mesh = merge(one._replace(positions=at + size * ball) for at, size in zip(*puffs(seed), strict=True))
+    return mesh, np.ones(len(mesh.positions))
 
 
 def _tinted(mesh: Mesh) -> Mesh:

@@ -81,6 +81,8 @@ def shot_list(motion: Motion, when: Mapping[str, float], events: Iterable[Mappin
         found.append(Shot(max(burn, shell + 8.0 if shell < np.inf else burn), "vehicle", 58.0, 18.0, 1.15))
     if (hover := when.get(roles.begun(roles.HOVER_IMAGING))) is not None:
         found.append(Shot(hover, "vehicle", 36.0, 24.0, 1.5, 4.0))
+    if (slow := when.get(roles.begun(roles.SLOW_DESCENT))) is not None:
+        found.append(Shot(slow, "vehicle", 80.0, 5.0, 1.3, 3.0))
     if (low := _landing(motion)) is not None:
         found = [shot for shot in found if shot.start_s < low]
         found.append(Shot(low, "ground", 64.0, 0.0, field_deg=38.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ class Titles:
         film_s, left_s = number / self.fps, (len(self.times) - 1 - number) / self.fps
         credits = np.clip((CREDITS_S - left_s) / 0.8, 0.0, 1.0) if len(self.times) > 12 * self.fps else 0.0
         if credits > 0.0:
-            frame = (frame * (1.0 - 0.62 * credits)).astype(np.uint8)
+            frame = (frame * (1.0 - 0.4 * credits)).astype(np.uint8)
         image = Image.fromarray(frame)
         self._draw = ImageDraw.Draw(image, "RGBA")
         if credits < 1.0:
@@ -123,24 +124,27 @@ class Titles:
 
     def _title(self, shown: float) -> None:
         name = self.flight.scenario.name.replace("_", " ")
-        title = name[:1].upper() + name[1:]
-        self._text((0.06, 0.16), title, 84, "DejaVuSans-Bold", _WHITE, shown)
-        words = "Entry, descent and landing, simulated in six degrees of freedom"
-        self._text((0.062, 0.205), words, 30, "DejaVuSans", _PALE, shown)
+        about = self.flight.scenario.description or "Flight simulated in six degrees of freedom"
+        self._block([(name[:1].upper() + name[1:], 84, "DejaVuSans-Bold", _WHITE)], [about], shown)
 
     def _credits(self, shown: float) -> None:
+        """Write outcome, scenario and program."""
         flight = self.flight
         outcome = flight.outcome[:1].upper() + flight.outcome[1:]
-        lines = [
-            (outcome, 54, "DejaVuSans-Bold", _WHITE),
-            (f"Scenario {flight.scenario.name}, seed {flight.scenario.seed}", 28, "DejaVuSans", _PALE),
-            (f"Simulated and drawn by edl6dof {__version__}", 28, "DejaVuSans", _PALE),
-            ("Ground between the map's points, sky and flames are decoration", 22, "DejaVuSans", _PALE),
+        head = [(words, 54, "DejaVuSans-Bold", _WHITE) for words in wrap(outcome, 48)]
+        about = [
+            f"Scenario {flight.scenario.name}, seed {flight.scenario.seed}",
+            f"Simulated and drawn by edl6dof {__version__}",
+            "Flames, dust, sky and the finest relief of the ground are decoration",
         ]
-        y = 0.40
-        for words, size, look, colour in lines:
+        self._block(head, about, shown)
+
+    def _block(self, head: list[tuple[str, int, str, Any]], about: list[str], shown: float) -> None:
+        """Write lines below each other at the top left: a heading, and smaller lines about it."""
+        y = 0.075
+        for words, size, look, colour in [*head, *((line, 30, "DejaVuSans", _PALE) for line in about)]:
+            y += 1.45 * size / 1080.0
             self._text((0.06, y), words, size, look, colour, shown)
-            y += 0.058 if size > 40 else 0.045
 
 
 def _caption(event: Mapping[str, Any]) -> tuple[str, str]:
@@ -169,7 +173,7 @@ def length(height_m: float) -> str:
 
 
 def factor(pace: float) -> str:
-    """Return the pace of the film relative to the flight."""
-    if pace < 0.02:
-        return "still"
+    """Return the pace of the film relative to the flight; nothing for a still picture."""
+    if pace < 0.5:
+        return ""
     return f"x{pace:.1f}" if pace < 9.95 else f"x{pace:.0f}"

@@ -37,7 +37,7 @@ _OPACITY, _LAYERS = 0.26, (1.0, 0.9, 0.8, 0.68, 0.55)
 #: begins to rise, and at which the dust is thickest: after pictures of landings on Mars.
 _SPREAD, _LIFTS, _THICK = 0.2, 5.0, 120.0
 #: Rings of dust that run outwards one after the other, and how long (s) each takes; opacity of the thickest.
-_RINGS, _RUNS_S, _DUST = 3, 1.8, 34.0
+RINGS, _RUNS_S, _DUST = 3, 1.8, 34.0
 #: Puffs of dust in a ring.
 _PUFFS = 44
 
@@ -148,17 +148,14 @@ class NearGround(Recorder):
         mouth = self.motion.nose[rows] + turns.rotate(self.motion.rotation[rows], nozzle)
         lies, turn = self._on_ground(mouth[:, :2])
         height = np.maximum(mouth[:, 2] - lies[:, 2], 0.5)
-        thrust = np.nan_to_num(self.flight["truth.engine_thrust_n"][rows])
-        pressure = thrust / (np.pi * (_SPREAD * height) ** 2)
-        thick = np.clip(np.log(np.maximum(pressure / _LIFTS, 1e-9)) / np.log(_THICK / _LIFTS), 0.0, 1.0)
+        thick = dust(self.flight["truth.engine_thrust_n"][rows], height)
         raised = thick > 0.0
         keep = np.flatnonzero(and_next(raised))
         if not len(keep):
             return
         puff = self._puff()
-        for ring in range(_RINGS):
-            run = np.mod(self.t[rows[keep]] / _RUNS_S + ring / _RINGS, 1.0)
-            wide = (1.5 + 1.2 * _SPREAD * height[keep]) * (0.5 + 2.5 * run)
+        for ring in range(RINGS):
+            run, wide = dust_ring(self.t[rows[keep]], height[keep], ring)
             opaque = np.where(raised[keep], _DUST * thick[keep] * np.sin(np.pi * run), 0.0)
             entity = f"{self.root}/near_ground/dust/{ring}"
             self.at(self.t[rows[keep[0]]], f"{entity}/puffs", puff, self._puffs(ring))
@@ -175,10 +172,7 @@ class NearGround(Recorder):
 
     def _puffs(self, seed: int) -> rr.InstancePoses3D:
         """Places and sizes of the puffs of a ring of unit radius."""
-        random = np.random.default_rng(seed)
-        turn, out = random.uniform(0.0, 2.0 * np.pi, _PUFFS), random.uniform(0.45, 1.0, _PUFFS)
-        size = random.uniform(0.22, 0.42, _PUFFS)
-        place = np.column_stack([out * np.cos(turn), out * np.sin(turn), 0.5 * size])
+        place, size = puffs(seed)
         return self.rr.InstancePoses3D(translations=place, scales=np.repeat(size[:, None], 3, axis=1))
 
     def _on_ground(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -193,3 +187,26 @@ class NearGround(Recorder):
         normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
         half = np.column_stack([1.0 + normal[:, 2], -normal[:, 1], normal[:, 0], np.zeros(len(places))])
         return np.column_stack([places, up]), half / np.linalg.norm(half, axis=-1, keepdims=True)
+
+
+def dust(thrust_n: np.ndarray, height_m: np.ndarray) -> np.ndarray:
+    """Return how thick the dust is, 0 to 1, that engines raise from a height (m) above the ground."""
+    pressure = np.nan_to_num(thrust_n) / (np.pi * (_SPREAD * height_m) ** 2)
+    thick = np.log(np.maximum(pressure / _LIFTS, 1e-9)) / np.log(_THICK / _LIFTS)
+    return np.asarray(np.clip(thick, 0.0, 1.0))
+
+
+def dust_ring(t: np.ndarray, height_m: np.ndarray, ring: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far a ring of dust has run at times (s), 0 to 1, and its radius (m) under engines at a
+    height (m).
+    """
+    run = np.mod(t / _RUNS_S + ring / RINGS, 1.0)
+    return run, (1.5 + 1.2 * _SPREAD * height_m) * (0.5 + 2.5 * run)
+
+
+def puffs(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return places, shape (n, 3), and radii of the puffs of a ring of unit radius."""
+    random = np.random.default_rng(seed)
+    turn, out = random.uniform(0.0, 2.0 * np.pi, _PUFFS), random.uniform(0.45, 1.0, _PUFFS)
+    size = random.uniform(0.22, 0.42, _PUFFS)
+    return np.column_stack([out * np.cos(turn), out * np.sin(turn), 0.5 * size]), size
