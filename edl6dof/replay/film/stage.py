@@ -25,7 +25,7 @@ _CLEAR_AIR_M = 70e3
 #: Rows and columns of the sky, radius (m) of its dome, and noise of the sky in steps of colour.
 _DOME, _DOME_M = (121, 120), 1.5e6
 #: Brightness of a surface in shadow, and of light from the side of the camera.
-_AMBIENT, _FILL = 0.38, 0.42
+_AMBIENT, _FILL = 0.32, 0.34
 
 
 class Track(NamedTuple):
@@ -82,7 +82,7 @@ class Stage:
         self.plotter.renderer.SetUseFXAA(True)  # half the time of multisampling
         self.plotter.remove_all_lights()
         sun = 1e3 * motion.site.light
-        self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.95))
+        self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.8))
         self.plotter.add_light(self.pv.Light(light_type="headlight", intensity=_FILL))
         self._ground(Landscape(motion.site, motion.last))
         self._sky()
@@ -136,7 +136,7 @@ class Stage:
         self.plotter.close()
 
     def _data(self, mesh: Mesh, opacity: np.ndarray | None = None) -> pyvista.PolyData:
-        data = self.pv.PolyData.from_regular_faces(mesh.positions.astype(np.float32), mesh.triangles)
+        data = self.pv.PolyData.from_regular_faces(mesh.positions.astype(np.float32), _outward(mesh))
         colours = mesh.colours
         if opacity is not None:
             colours = np.column_stack([colours, 255.0 * np.clip(opacity, 0.0, 1.0)]).astype(np.uint8)
@@ -199,6 +199,14 @@ class Stage:
             away = np.linalg.norm(places - view.eye, axis=-1)
             haze = (1.0 - np.exp(-away * density / _CLEAR_AIR_M))[:, None].astype(np.float32)
             data.point_data["rgb"] = (colours + haze * (horizon - colours)).astype(np.uint8)
+
+
+def _outward(mesh: Mesh) -> np.ndarray:
+    """Triangles whose front, by the order of their corners, is where their normals point."""
+    a, b, c = (mesh.positions[mesh.triangles[:, k]] for k in range(3))
+    normal = mesh.normals[mesh.triangles].sum(axis=1)
+    behind = (np.cross(b - a, c - a) * normal).sum(axis=-1) < 0.0
+    return np.where(behind[:, None], mesh.triangles[:, ::-1], mesh.triangles)
 
 
 def _upright(up: np.ndarray) -> np.ndarray:
