@@ -22,7 +22,7 @@ from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film import encoder as encoders
 from edl6dof.replay.film import film as films
 from edl6dof.replay.film.pace import LENGTH_S, STILL_S, Cut, frame_times, shown_events
-from edl6dof.replay.film.shots import shot_list, views
+from edl6dof.replay.film.shots import Shot, shot_list, views
 from edl6dof.replay.film.titles import COLUMNS, Titles
 from edl6dof.replay.history import History
 from edl6dof.replay.scene import craft_shapes
@@ -139,7 +139,7 @@ def _capitalised(words: str) -> str:
 def test_the_lander_is_large_at_backshell_release_and_touchdown(filmed, since, until):
     motion, height = Motion(filmed), films.SIZE[1]
     times = np.linspace(since, until, 40)
-    shots = shot_list(motion, filmed.when, filmed.events)
+    shots = shot_list(motion, filmed.when)
     mesh = craft_shapes.lander(motion.vehicle, motion.shape)
     for t, view in zip(times, views(motion, shots, times, 30.0), strict=True):
         row = np.searchsorted(motion.t, t)
@@ -155,6 +155,19 @@ def _pixels(place: np.ndarray, view: object, height: int) -> np.ndarray:
     above = np.cross(right / np.linalg.norm(right), ahead)
     seen = place - view.eye
     return 0.5 * height * (seen @ above) / (seen @ ahead) / np.tan(0.5 * np.radians(view.field_deg))
+
+
+def test_no_shot_is_a_flash(filmed):
+    motion = Motion(filmed)
+    fast = np.linspace(0.0, END, 30)
+    shots = [
+        Shot(0.0, "vehicle", 60.0, 40.0),
+        Shot(9.0, "vehicle", 180.0, 40.0),
+        Shot(10.0, "vehicle", 0.0, 40.0),
+    ]
+    ways = [view.eye - view.aim for view in views(motion, shots, fast, 10.0)]
+    jumps = np.flatnonzero(np.linalg.norm(np.diff(ways, axis=0), axis=-1) > 1.0)
+    assert len(jumps) == 1 and fast[jumps[0] + 1] == pytest.approx(10.0, abs=1.0)
 
 
 def test_a_film_shows_the_lander_on_the_ground(filmed, tmp_path):

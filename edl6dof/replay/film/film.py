@@ -48,7 +48,7 @@ def times_of(flight: History, cut: Cut) -> np.ndarray:
 def drawn(flight: History, times: np.ndarray, fps: float, size: tuple[int, int]) -> Iterator[np.ndarray]:
     """Draw the frames at these times (s), shape (height, width, 3), uint8."""
     motion = Motion(flight)
-    shots = shot_list(motion, flight.when, flight.events)
+    shots = shot_list(motion, flight.when)
     titles, stage = Titles(flight, times, size, fps), Stage(flight, motion, size)
     try:
         cast = Cast(stage, flight, motion)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any, Literal, NamedTuple
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,8 @@ _ROOM, _PAIR = 0.85, 2.6
 _FILLED = 0.8
 #: Height at which the camera on the ground takes over, and its distance from the landing place, diameters.
 _LANDING, _STAND = 5.0, 4.2
+#: Least duration (s of the film) of a shot.
+_SHORTEST_S = 1.5
 #: Least height (m) of the camera above the ground.
 _CLEAR_M = 1.7
 
@@ -57,14 +60,13 @@ class View(NamedTuple):
     field_deg: float
 
 
-def shot_list(motion: Motion, when: Mapping[str, float], events: Iterable[Mapping[str, Any]]) -> list[Shot]:
-    """Return the shots of a flight in order of time."""
+def shot_list(motion: Motion, when: Mapping[str, float]) -> list[Shot]:
+    """Return the shots of a flight in order of time; ``when``: first time (s) of each event and role."""
     found = [Shot(float(motion.t[0]), "vehicle", 62.0, 10.0, 1.25)]
     mortar, shield, shell = (when.get(key, np.inf) for key in ("mortar", "heat_shield", "backshell"))
-    for side, one in enumerate(event for event in events if event["key"] == "bank_reversal"):
-        if one["t_s"] < mortar - 8.0:
-            found.append(Shot(one["t_s"] - 0.8, "vehicle", 176.0, 16.0, 1.3))
-            found.append(Shot(one["t_s"] + 5.0, "vehicle", (-68.0, 62.0)[side % 2], 9.0, 1.25))
+    if (reversal := when.get("bank_reversal", np.inf)) < mortar:
+        found.append(Shot(reversal - 0.8, "vehicle", 176.0, 16.0, 1.3))
+        found.append(Shot(reversal + 5.0, "vehicle", -68.0, 9.0, 1.25))
     if mortar < np.inf:
         found.append(Shot(mortar - 0.8, "canopy", 84.0, -4.0))
         found.append(Shot(mortar + 9.0, "vehicle", 30.0, -52.0, 1.0, 3.0, 52.0))
@@ -76,9 +78,8 @@ def shot_list(motion: Motion, when: Mapping[str, float], events: Iterable[Mappin
     if shell < np.inf:
         found.append(Shot(shell - 1.2, "pair", 82.0, 8.0))
         found.append(Shot(_apart(motion, motion.backshell, shell + 3.5), "vehicle", 70.0, -14.0))
-    burn = when.get(roles.begun(roles.POWERED_DECELERATION), np.inf)
-    if max(burn, shell) < np.inf:
-        found.append(Shot(max(burn, shell + 8.0 if shell < np.inf else burn), "vehicle", 58.0, 18.0, 1.15))
+    if (burn := when.get(roles.begun(roles.POWERED_DECELERATION))) is not None:
+        found.append(Shot(max(burn, shell + 8.0) if shell < np.inf else burn, "vehicle", 58.0, 18.0, 1.15))
     if (hover := when.get(roles.begun(roles.HOVER_IMAGING))) is not None:
         found.append(Shot(hover, "vehicle", 36.0, 24.0, 1.5, 4.0))
     if (slow := when.get(roles.begun(roles.SLOW_DESCENT))) is not None:
@@ -94,21 +95,18 @@ def views(motion: Motion, shots: list[Shot], times: np.ndarray, fps: float) -> l
     spheres, level = _spheres(motion), cameras.facing(motion)
     rows = np.clip(np.searchsorted(motion.t, times, side="right") - 1, 0, len(motion.t) - 1)
     up = turns.rotate(level[rows], np.array([0.0, 0.0, 1.0]))
-    shown = np.searchsorted([shot.start_s for shot in shots], times, side="right") - 1
-    shown = np.maximum(shown, 0)
+    shown = _shown(shots, times, round(_SHORTEST_S * fps))
     eye, aim = np.empty((2, len(times), 3))
     for number in np.unique(shown):
         shot, own = shots[number], np.flatnonzero(shown == number)
         seen = spheres[shot.framed]
+        side = _lit_side(motion, level[rows[own[0]]], shot.azimuth_deg)
         aim[own] = _at(motion.t, seen.centre, times[own])
         if shot.framed == "ground":
-            eye[own] = _stand(
-                motion, level[-1], shot.azimuth_deg * _lit_side(motion, level[-1], shot.azimuth_deg)
-            )
+            eye[own] = _stand(motion, level[-1], side * shot.azimuth_deg)
             continue
         radius = shot.room * np.interp(times[own], motion.t, seen.radius)
         distance = radius / np.sin(0.5 * _FILLED * np.radians(shot.field_deg))
-        side = _lit_side(motion, level[rows[own[0]]], shot.azimuth_deg)
         azimuth = side * np.radians(shot.azimuth_deg + shot.circling_deg_s * (own - own[0]) / fps)
         elevation = np.full(len(own), np.radians(shot.elevation_deg))
         flat = np.cos(elevation)
@@ -117,6 +115,17 @@ def views(motion: Motion, shots: list[Shot], times: np.ndarray, fps: float) -> l
     lowest = motion.site.ground(eye[:, 0], eye[:, 1])[1] + _CLEAR_M
     eye[:, 2] = np.maximum(eye[:, 2], lowest)
     return [View(eye[k], aim[k], up[k], shots[shown[k]].field_deg) for k in range(len(times))]
+
+
+def _shown(shots: list[Shot], times: np.ndarray, shortest: int) -> np.ndarray:
+    """Number of the shot of each frame; a shot of less than ``shortest`` frames is left out."""
+    shown = np.searchsorted([shot.start_s for shot in shots], times, side="right") - 1
+    shown = np.maximum(shown, 0)
+    begins = np.flatnonzero(np.diff(shown, prepend=shown[0]))
+    for first, end in pairwise([*begins, len(times)]):
+        if end - first < shortest:
+            shown[first:end] = shown[first - 1]
+    return shown
 
 
 def _lit_side(motion: Motion, level: np.ndarray, azimuth_deg: float) -> float:
