@@ -1,5 +1,5 @@
 """The pages of a replay: axes that fit their curves, legends that cover none, one unit for each quantity, and
-films without teaching aids and without the controls of the viewer.
+pictures of the tour without teaching aids and without the controls of the viewer.
 """
 
 from __future__ import annotations
@@ -117,10 +117,10 @@ def test_beams_of_the_radar_are_shown_on_the_page_about_them_alone(layout):
         assert site or page == pages.THRUSTERS or page == "Control"
 
 
-def test_a_film_has_no_control_of_the_viewer(layout):
-    film = layout.blueprint(pages.TOUR, bare=True)
-    assert (film.time_panel.state, film.top_panel.state) == ("hidden", "hidden")
-    seen = list(views(film.root_container))
+def test_a_picture_of_the_tour_has_no_control_of_the_viewer(layout):
+    picture = layout.blueprint(pages.TOUR, bare=True)
+    assert (picture.time_panel.state, picture.top_panel.state) == ("hidden", "hidden")
+    seen = list(views(picture.root_container))
     assert len(seen) == 2 and all(view.titlebar is False for view in seen)
     assert "- /site/hazards/**" in seen[0].contents
     assert len(list(views(layout.blueprint("Entry", bare=True).root_container))) > 9
