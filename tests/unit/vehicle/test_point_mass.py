@@ -89,6 +89,19 @@ def test_ideal_bank_is_there_at_the_next_reading():
     assert telemetry["truth.bank_deg"][1:] == pytest.approx(telemetry["guide.bank_deg"][:-1], abs=1e-6)
 
 
+def test_bank_is_about_the_planet_relative_velocity_in_a_wind_too():
+    """The velocities relative to air and planet differ by up to 2 deg, angle of attack and sideslip are those
+    in the air.
+    """
+    wind = "wind={model: constant, constant: {east_m_s: 80.0, north_m_s: -120.0}}"
+    short = ["simulation.time_limit_s=80", "mission.goal=time"]
+    rows = edl6dof.fly("zheng2015", [wind, *short]).telemetry
+    still = edl6dof.fly("zheng2015", short).telemetry
+    assert rows["truth.bank_deg"][1:] == pytest.approx(rows["guide.bank_deg"][:-1], abs=1e-6)
+    assert rows["truth.alpha_deg"][5:] == pytest.approx(still["truth.alpha_deg"][5], abs=1e-9)
+    assert rows["truth.beta_deg"] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_accelerometer_reads_drag_and_lift():
     flight = edl6dof.fly("zheng2015", [*FREE, "initial.bank_deg=75"])
     rows = flight.telemetry
