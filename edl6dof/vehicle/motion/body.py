@@ -148,7 +148,7 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     if case.dynamics == POINT_MASS:
         spin, v_I = case.planet.rotation_rate, take3(y, VELOCITY)
         v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
-        q = point_attitude(case, plant, t, rotation, place, v_rel_I, v_air_I)
+        q = point_attitude(case, plant, t, rotation, place, v_rel_I=v_rel_I, v_air_I=v_air_I)
     else:
         q = take_attitude(y)
     v_air = to_frame(q, v_air_I)
