@@ -25,7 +25,7 @@ COMMAND = record(
     ("engine_mode", whole(ENGINE_OFF, ENGINE_FULL)),  # of edl6dof.interface.effectors, of all engines
     # for a vehicle without attitude dynamics
     ("steering", FLAG),  # the angles below are commanded
-    ("bank", "f8"),  # rad, about the air-relative velocity, zero with lift up, positive to the right
+    ("bank", "f8"),  # rad, about the planet-relative velocity, zero with lift up, positive to the right
     ("alpha", "f8"),  # rad: commanded angle of attack, positive nose up
     ("phase", whole(0, MAX_PHASES - 1, of="phases")),  # present mission phase
     ("latch_closed", FLAG, (MAX_BRANCHES,)),  # the latch valve of each propellant branch is closed

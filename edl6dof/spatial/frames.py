@@ -2,8 +2,8 @@
 
 I inertial and F planet-fixed share the planet's pole as z; F turns by ``rotation_rate * t`` and coincides
 with I at t = 0. N is north-east-down of the geodetic vertical; L is east-north-up at a fixed point; V is the
-frame of the air-relative velocity (x along it, z in the plane of the local vertical, down) turned by the bank
-angle.  Angles in rad, lengths in m.
+frame of a velocity (x along it, z in the plane of the local vertical, down) turned by the bank angle.  Angles
+in rad, lengths in m.
 """
 
 from __future__ import annotations
@@ -208,6 +208,21 @@ def attitude_from_wind_angles(v, up, bank, alpha, beta):
     q_beta = (cos(0.5 * beta), 0.0, 0.0, -sin(0.5 * beta))
     q_alpha = (cos(0.5 * alpha), 0.0, sin(0.5 * alpha), 0.0)
     return multiply(multiply(multiply(q_path, q_bank), q_beta), q_alpha)
+
+
+@kernel
+def attitude_in_wind(v, v_air, up, bank, alpha):
+    """``q_A2B`` of a body with ``bank`` (rad) about the planet-relative velocity ``v``, and with the angle of
+    attack ``alpha`` (rad) and zero sideslip relative to the air, of velocity ``v_air``; vectors in A.
+
+    The lateral axis y_B lies in the banked plane through ``v``, and is perpendicular to ``v_air``.
+    """
+    _, y, z = path_axes(v, up)
+    below = sub(scale(cos(bank), z), scale(sin(bank), y))
+    forward = path_axes(v_air, up)[0]
+    right = unit(cross(below, forward))
+    q_air = from_axes(forward, right, cross(forward, right))
+    return multiply(q_air, (cos(0.5 * alpha), 0.0, sin(0.5 * alpha), 0.0))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Check cases of the trimmed capsule: trim, frequency and damping in pitch, and its equilibrium glide."""
+"""Check cases of the capsule: trim, frequency and damping in pitch, thin air, and its equilibrium glide."""
 
 from __future__ import annotations
 
@@ -154,6 +154,83 @@ def damping(planted: Sequence[str] = ()) -> Report:
     envelope, swing = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t), alpha + TRIM_DEG
     labels = ("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)")
     return Report(results, History(*labels, t, swing, envelope))
+
+
+#: Roll angle (deg) by which the offset of the centre of mass is turned from the z axis.
+_TURNED_DEG = 35.0
+
+
+def offset_trim(planted: Sequence[str] = ()) -> Report:
+    """Verifies: trim of the capsule with a centre of mass off the axis in y and z, at Mach 15.
+
+    gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: a
+    body of revolution trims in the plane of axis and centre of mass, at the total angle of the moment balance
+    of ``capsule_trim``; the velocity in B is the one of that case, turned about x | tolerance 2e-3 deg, twice
+    the trim error of ``capsule_trim``: a flight that begins beside the trim swings to its other side.
+
+    Begin at this trim and compare angle of attack and sideslip for 20 s.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+    """
+    mach, trim, turn = 15.0, np.radians(TRIM_DEG), np.radians(_TURNED_DEG)
+    apart = Published(mach).offset() * np.array([-np.sin(turn), np.cos(turn)])
+    u, v, w = np.cos(trim), np.sin(trim) * np.sin(turn), -np.sin(trim) * np.cos(turn)
+    alpha, beta = float(np.degrees(np.arctan2(w, u))), float(np.degrees(np.arcsin(v)))
+    trimmed = (
+        f"vehicle.mass.entry_centre_m=[{STATION}, {float(apart[0])!r}, {float(apart[1])!r}]",
+        f"initial.alpha_deg={alpha!r}",
+        f"initial.beta_deg={beta!r}",
+    )
+    rows = flown(_scene(mach, 1e-3, trimmed), planted)[1].telemetry
+    about = (
+        "-",
+        "static moment, CG offset in y and z",
+        "published table by PCHIP, turned",
+        "twice the trim error",
+    )
+    results = [
+        Result(name, largest(rows[f"truth.{name}_deg"] - angle), 2e-3, "deg", *about[1:])
+        for name, angle in (("alpha", alpha), ("beta", beta))
+    ]
+    return Report(results)
+
+
+#: Knudsen number, and share of the free-molecular coefficient: sin^2 of 0, pi/8, pi/4, 3 pi/8, pi/2.
+_SHARES = {1e-3: 0.0, 1e-2: 0.5 - sqrt(0.125), 0.1: 0.5, 1.0: 0.5 + sqrt(0.125), 10.0: 1.0, 1e3: 1.0}
+
+
+def bridging(planted: Sequence[str] = ()) -> Report:
+    """Verifies: axial force from continuum to free-molecular flow, at Mach 15.
+
+    gravity none | atmosphere uniform | winds none | vehicle capsule at zero angle of attack | source:
+    continuum: published table (Phoenix, AIAA 2008-7219); free-molecular: molecules that lose all momentum to
+    the wall give a drag coefficient of 2 on the projected area; between them sin^2(pi/8 (3 + log10 Kn))
+    (Wilmoth, Mitcheltree & Moss, AIAA 97-2510), with the mean free path m / (sqrt(2) pi d^2 rho) of hard
+    spheres | tolerance 1e-9: quadrature of the capsule's surface.
+
+    Compare the axial coefficient at the start of flights in six densities.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+    """
+    mach, results = 15.0, []
+    dense = float(Published(mach).axial(0.0))
+    about = ("-", "rarefied flow", "published table, momentum of molecules", "quadrature of the surface")
+    start = (
+        "initial.alpha_deg=0",
+        "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
+        "initial.altitude_m=1000",
+        "simulation.time_limit_s=0.02",
+    )
+    gas = case.scenes(())[0].planet.gas
+    path = gas.molecular_mass_kg / (sqrt(2.0) * pi * gas.molecular_diameter_m**2)
+    for knudsen, share in _SHARES.items():
+        density = path / (knudsen * DIAMETER)
+        nominal, flight = flown(_scene(mach, density, start), planted)
+        push = 0.5 * density * nominal.initial.speed**2 * pi / 4.0 * DIAMETER**2
+        found = -float(flight.telemetry["truth.aero_force_x_n"][0]) / push
+        error = abs(found - dense - share * (2.0 - dense))
+        results.append(Result(f"axial coefficient, Kn {knudsen:g}", error, 1e-9, *about))
+    return Report(results)
 
 
 _MASS, _ALTITUDE, _SCALE, _RADIUS, _MU = 1285.0, 10e3, 200.0, 3396190.0, 4.282837285418775e13

@@ -19,6 +19,7 @@ from edl6dof.verify import (
     planet,
     propulsion,
     rotations_and_frames,
+    touchdown,
 )
 from edl6dof.verify.case import History, NotInstalledError, Report
 
@@ -28,20 +29,27 @@ CASES: dict[str, Callable[..., Report]] = {
     "frames": rotations_and_frames.frames,
     "us76_table": planet.us76_table,
     "gravity_field": planet.gravity_field,
+    "areoid": planet.areoid,
+    "seasonal_column": planet.seasonal_column,
     "rk4_order": free_motion.rk4_order,
     "kepler": free_motion.kepler,
     "tumbling": free_motion.tumbling,
     "symmetric_top": free_motion.symmetric_top,
     "allen_eggers": entries.allen_eggers,
+    "heating": entries.heating,
     "equilibrium_glide": capsule_trim.equilibrium_glide,
     "point_mass": entries.point_mass,
     "capsule_trim": capsule_trim.capsule_trim,
+    "offset_trim": capsule_trim.offset_trim,
     "damping": capsule_trim.damping,
+    "bridging": capsule_trim.bridging,
     "impulses": propulsion.impulses,
     "rocket_equation": propulsion.rocket_equation,
     "jettison": jettison.run,
+    "inflation": parachute_descent.inflation,
     "terminal_velocity": parachute_descent.terminal_velocity,
     "pendulum": parachute_descent.pendulum,
+    "contact": touchdown.contact,
     "nesc": nesc.run,
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import cos, e, exp, pi, radians, sin
+from math import cos, e, erf, exp, pi, radians, sin, sqrt
 
 import numpy as np
 
@@ -61,6 +61,42 @@ def allen_eggers(planted: Sequence[str] = ()) -> Report:
     return Report(
         results, History("Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, v, expected)
     )
+
+
+def heating(planted: Sequence[str] = ()) -> Report:
+    """Verifies: heat flux and heat load at the stagnation point.
+
+    gravity none | atmosphere exponential | winds none | vehicle one rigid body with constant drag, straight
+    down a planet at rest | source: Sutton & Graves, NASA TR R-376, q = k (rho / rn)^0.5 V^3, along the exact
+    path of ``allen_eggers``; its integral over time, with dt = H drho / (rho V), is k H V0^2 (pi B / (H
+    rn))^0.5 exp(H rho0 / B) [erf (H rho / B)^0.5] from rho0 to rho | tolerance 3e-8 of the flux, three times
+    that of the speed, and 1e-8 of the load: RK4 at 10 ms over scale heights of 2 s.
+
+    Fall straight down and compare both at every altitude.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+    """
+    nominal, flight = flown(_STRAIGHT, planted, ends="crashed")
+    table, planet, vehicle = flight.telemetry, nominal.planet, nominal.vehicle
+    air, aero = stated(nominal.atmosphere.exponential), vehicle.aero.constant
+    scale = air.scale_height_m
+    thickness = scale * aero.drag_coefficient * aero.reference_area_m2 / vehicle.mass.entry_kg  # H / B
+    h = table["truth.altitude_m"][1:]
+    rho, rho_start = (air.density_kg_m3 * np.exp(-x / scale) for x in (h, nominal.initial_altitude_m))
+    speed = nominal.initial.speed * np.exp(-0.5 * thickness * (rho - rho_start))
+    factor = planet.gas.sutton_graves_constant / sqrt(vehicle.nose_radius_m)
+    flux = factor * np.sqrt(rho) * speed**3 / 1e4
+    passed = np.array([erf(sqrt(thickness * x)) for x in rho]) - erf(sqrt(thickness * rho_start))
+    size = factor * scale * nominal.initial.speed**2 * sqrt(pi / thickness) * exp(thickness * rho_start)
+    load = size * passed / 1e4
+    found, gathered = table["truth.heat_flux_w_cm2"][1:], table["truth.heat_load_j_cm2"][1:]
+    why, result = "truncation of RK4 at 10 ms", partial(Result, verifies="convective heating")
+    results = (
+        result("heat flux", largest(found / flux - 1.0), 3e-8, source="Sutton & Graves", why=why),
+        result("heat load", largest(gathered - load) / load[-1], 1e-8, source="error function", why=why),
+    )
+    labels = ("Heating of an Allen-Eggers entry", "altitude (km)", "heat load (J/cm2)")
+    return Report(results, History(*labels, h / 1e3, gathered, load))
 
 
 _BANKED = (

@@ -1,4 +1,4 @@
-"""Check cases of vehicle and canopy under the open parachute."""
+"""Check cases of vehicle and canopy: the parachute fills, and the descent under it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.verify import case
-from edl6dof.verify.case import History, Report, Result, fit, scenes, state_of, to_the_end, vectors
+from edl6dof.verify.case import History, Report, Result, fit, largest, scenes, state_of, to_the_end, vectors
 
 _GRAVITY = 3.72
 _CENTRE = -1.0
@@ -107,10 +107,16 @@ class _Planar:
 
 
 def _descend(
-    state: np.ndarray, seconds: float, planted: Sequence[str] = ()
+    state: np.ndarray,
+    seconds: float,
+    planted: Sequence[str] = (),
+    extra: Sequence[str] = (),
+    line_stretch: float = -1e3,
 ) -> tuple[np.ndarray, np.ndarray, Flight]:
-    """Fly from a planar state; returns time (s), tilt (rad) and the flight."""
-    _, loaded = scenes([*_SCENE, f"simulation.time_limit_s={seconds}"], planted)
+    """Fly from a planar state with further overrides, ``extra``, and line stretch at a time (s); returns time
+    (s), tilt (rad) and the flight.
+    """
+    _, loaded = scenes([*_SCENE, *extra, f"simulation.time_limit_s={seconds}"], planted)
 
     def place(plant: np.void, fsw: np.void) -> None:
         east, down = np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0])
@@ -126,7 +132,7 @@ def _descend(
         y[CANOPY_VELOCITY : CANOPY_VELOCITY + 3] = state[8] * east + state[9] * down
         plant["attached"][:] = 0
         plant["attached"][1] = 1  # the backshell
-        plant["canopy"], plant["line_stretch_time"] = 2, -1e3
+        plant["canopy"], plant["line_stretch_time"] = 2, line_stretch
 
     flight = to_the_end(loaded, state_of(loaded, place))
     nose = Rotation.from_quat(vectors(flight, "q_I2B", "", "wxyz"), scalar_first=True).apply([1.0, 0.0, 0.0])
@@ -186,3 +192,54 @@ def terminal_velocity(planted: Sequence[str] = ()) -> Report:
     about = ("drag of vehicle and canopy", "weight = drag", "gravity varies by 2e-5 on the way")
     results = (Result("speed after 120 s", error, 2e-5, "-", *about),)
     return Report(results, History("Terminal velocity", "time (s)", "speed (m/s)", t, speed, curve))
+
+
+#: A vehicle that the canopy cannot slow down, on lines that hardly stretch.  The planet is small, so that
+#: positions resolve 1e-10 m, 5 mN of the riser.
+_INFINITE_MASS = (
+    *case.WEIGHTLESS,
+    "planet.equatorial_radius_m=1e6",
+    "vehicle.mass.entry_kg=1e9",
+    "vehicle.parachutes.main.stiffness_n_m=4e7",
+    "vehicle.parachutes.main.damping_ratio=1",
+    "vehicle.parachutes.main.apparent_mass_factor=0",
+    "vehicle.parachutes.main.disk_gap_band.dynamic_load_factor=1",
+    "simulation.canopy_step_s=0.0005",
+)
+
+
+def inflation(planted: Sequence[str] = ()) -> Report:
+    """Verifies: load of a canopy that fills behind a vehicle of infinite mass.
+
+    gravity none | atmosphere uniform | winds none | vehicle of 1e9 kg on a riser of 40 MN/m | source: Cruz et
+    al., AIAA 2013-1276: at constant dynamic pressure q the load is q CD S CX (t / tf)^n up to the filling
+    time tf = D / 27.2 m/s, then, the overshoot gone, q CD S | tolerance 2e-4 of the load: the riser stretches
+    with 2 mm/s of the 100 m/s (5e-5 of q), and the packed mass takes (m / k) n (n - 1) / tf^2 of the load
+    (3e-5).
+
+    Compare the tension of the riser at every time up to the filling time and after the overshoot.
+
+    ``planted``: see :func:`edl6dof.verify.case.scenes`.
+    """
+    model, speed = _Planar(scenes([*_SCENE, *_INFINITE_MASS])[0]), 100.0
+    chute = model.chute
+    start = np.array([0, 0, 0, 0, speed, 0, 0, -(chute.line_length_m - model.attachment), 0, speed])
+    t, _, flight = _descend(start, 1.2, planted, _INFINITE_MASS, line_stretch=0.0)
+    filled = chute.diameter_m / chute.disk_gap_band.inflation_speed_m_s
+    growth = (t / filled) ** chute.disk_gap_band.inflation_exponent
+    steady = 0.5 * model.rho * speed**2 * model.drag_area
+    opening, late = t <= filled, t > filled + chute.disk_gap_band.overshoot_decay_s + 0.05
+    expected = steady * np.where(opening, chute.disk_gap_band.opening_load_factor * growth, 1.0)
+    tension = flight.telemetry["truth.riser_tension_n"]
+    about = (
+        "-",
+        "canopy filling, opening load",
+        "Cruz et al., infinite mass",
+        "stretching riser, packed mass",
+    )
+    results = [
+        Result(name, largest((tension - expected)[rows]) / steady, 2e-4, *about)
+        for name, rows in (("load while it fills", opening), ("load of the open canopy", late))
+    ]
+    labels, known = ("Opening load, infinite mass", "time (s)", "tension (N)"), opening | late
+    return Report(results, History(*labels, t[known], tension[known], expected[known]))

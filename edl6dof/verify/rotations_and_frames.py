@@ -169,3 +169,11 @@ def _wind(worst: _Worst, v: tuple[float, ...], up: tuple[float, ...], rng: np.ra
     worst.note("total angle", abs(conversions.total_angle_of_attack(v_B) - total))
     banked = conversions.bank_angle(v, up, *map(_tuple, body.as_matrix().T))
     worst.note("bank", abs(conversions.wrap(banked - bank)))
+    v_air = _tuple(Rotation.from_rotvec(rng.uniform(-0.2, 0.2, 3)).apply(v))
+    q = conversions.attitude_in_wind(v, v_air, up, bank, alpha)
+    axes = Rotation.from_quat(q, scalar_first=True).as_matrix()
+    banked = np.arctan2(axes[:, 1] @ np.cross(x, y), axes[:, 1] @ y)
+    worst.note("bank in a wind", abs(conversions.wrap(banked - bank)))
+    along = axes.T @ v_air
+    worst.note("angle of attack in a wind", abs(conversions.wrap(np.arctan2(along[2], along[0]) - alpha)))
+    worst.note("sideslip in a wind", abs(along[1]) / np.linalg.norm(v_air))

@@ -17,17 +17,28 @@ EXACT = ("jettison", "nesc", "point_mass")
 #: Case, a result that must fail, what is planted, and the overrides that plant it.
 PLANTED = [
     ("allen_eggers", "speed", "scale height + 1 mm", ["atmosphere.exponential.scale_height_m=9354.001"]),
+    ("areoid", "height", "polar radius + 5 m", ["planet.flattening=0.0058845353"]),
+    ("bridging", "Kn 0.1", "molecules + 0.2 %", ["planet.gas.molecular_diameter_m=4.60e-10"]),
     ("capsule_trim", "trim", "centre + 0.1 mm", ["vehicle.mass.entry_centre_m=[-0.85, 0, -0.0391]"]),
+    ("contact", "height", "damping + 0.1 %", ["vehicle.landing_gear.damping_n_s_m=800.8"]),
     ("damping", "growth rate", "damping + 1 %", ["vehicle.aero.capsule.damping_factor=1.01"]),
     ("equilibrium_glide", "range", "axial force + 3 %", ["vehicle.aero.capsule.axial_factor=1.03"]),
     ("gravity_field", "J2", "sixth digit of J2", ["planet.gravity.j2=1.956617e-03"]),
+    ("heating", "heat load", "constant + 1e-6", ["planet.gas.sutton_graves_constant=1.9027019e-4"]),
     ("impulses", "propellant", "valves open 1 % slower", ["vehicle.rcs.thrusters.0.rise_s=0.01212"]),
+    ("inflation", "fills", "opening load + 0.1 %", [
+        "vehicle.parachutes.main.disk_gap_band.opening_load_factor=1.3453"
+    ]),
     ("jettison", "heat shield", "10 mg more", ["vehicle.parts.heat_shield.mass_kg=150.00001"]),
     ("kepler", "position", "mu + 1e-8", ["planet.gravity.mu_m3_s2=4.28283732824714625e13"]),
     ("nesc", "case 6: altitude", "mu + 1e-5", ["planet.gravity.mu_m3_s2=3.98604427804418e14"]),
+    ("offset_trim", "beta", "y + 0.1 mm", ["vehicle.mass.entry_centre_m=[-0.85, 0.02272, -0.03231]"]),
     ("pendulum", "pendulum", "normal force + 1 %", ["vehicle.parachutes.main.normal_slope=0.2525"]),
     ("point_mass", "", "bank + 1e-4 deg", ["initial.bank_deg=55.0001"]),
     ("rocket_equation", "mass", "flow - 1e-4", ["vehicle.engines.main.specific_impulse_factor=1.0001"]),
+    ("seasonal_column", "least", "mean pressure + 5 %", [
+        "planet.climate.surface_pressure.pressure_pa=837"
+    ]),
     ("symmetric_top", "rate in the body", "Ixx + 10 g m2", [
         "vehicle.mass.entry_inertia_kg_m2=[1150.01, 900, 900]"
     ]),
@@ -43,10 +54,16 @@ PLANTED_LONG = [
     ("capsule_trim", "pitch frequency", "inertia + 0.5 %", [
         "vehicle.mass.entry_inertia_kg_m2=[1150, 904.5, 950]"
     ]),
+    ("contact", "height", "stiffness + 1e-4", ["vehicle.landing_gear.stiffness_n_m=40004"]),
     ("equilibrium_glide", "lift", "begun 5 % too fast", ["initial.speed_m_s=3340"]),
     ("equilibrium_glide", "lift", "lift turned by 15 deg", ["initial.bank_deg=15"]),
     ("gravity_field", "degree 4", "cut off at degree 3", ["planet.gravity.degree=3"]),
+    ("heating", "heat flux", "nose + 1e-6", ["vehicle.nose_radius_m=0.85000085"]),
     ("impulses", "speed", "Isp + 0.001 %", ["vehicle.rcs.thrusters.0.specific_impulse_s=270.0027"]),
+    ("inflation", "open canopy", "drag + 0.1 %", ["vehicle.parachutes.main.drag_factor=1.001"]),
+    ("inflation", "fills", "exponent + 1e-3", [
+        "vehicle.parachutes.main.disk_gap_band.inflation_exponent=4.004"
+    ]),
     ("jettison", "backshell", "inertia + 1 g m2", [
         "vehicle.parts.backshell.inertia_kg_m2=[190.001, 115, 115]"
     ]),
@@ -63,6 +80,10 @@ PLANTED_LONG = [
     ("point_mass", "", "L/D + 1e-6", ["vehicle.aero.lift_drag.lift_to_drag=0.200001"]),
     ("rocket_equation", "speed", "Isp + 1 ms", ["vehicle.engines.main.full_specific_impulse_s=300.001"]),
     ("rocket_equation", "speed", "tilt of 0.001 deg", ["vehicle.engines.main.misalignment_y_deg=0.001"]),
+    ("seasonal_column", "ln p", "gas constant + 1e-4", ["planet.gas.gas_constant_j_kg_k=191.02"]),
+    ("seasonal_column", "greatest", "one harmonic turned", [
+        "planet.climate.surface_pressure.season=[0.069, 0.060, 0.045, -0.050]"
+    ]),
     ("symmetric_top", "rate in space", "Iyy + 10 g m2", [
         "vehicle.mass.entry_inertia_kg_m2=[1150, 900.01, 900]"
     ]),
@@ -100,6 +121,10 @@ def sideslip_turned(v, up, bank, alpha, beta):
     return attitude(v, up, bank, alpha, -beta)
 
 
+def banked_in_air(v, v_air, up, bank, alpha):
+    return attitude(v_air, up, bank, alpha, 0.0)
+
+
 def sign_turned(p, q):
     """The product with i j = -k."""
     *first, last = multiply(p, q)
@@ -120,6 +145,7 @@ KERNELS_LONG = [
     ("rotations", "rate", quaternion, "rate", rate_in_inertial),
     ("frames", "attitude from wind angles", frames, "attitude_from_wind_angles", sideslip_turned),
     ("frames", "great-circle azimuth", frames, "great_circle", from_east),
+    ("frames", "bank in a wind", frames, "attitude_in_wind", banked_in_air),
 ]
 
 

@@ -146,7 +146,9 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     place, gas, wind_N, air_I = surroundings(case, tables, plant.inputs.areoid, rotation, r_I)
     v_air_I = sub(take3(y, VELOCITY), air_I)
     if case.dynamics == POINT_MASS:
-        q = point_attitude(case, plant, t, rotation, place, v_air_I=v_air_I)
+        spin, v_I = case.planet.rotation_rate, take3(y, VELOCITY)
+        v_rel_I = (v_I[0] + spin * r_I[1], v_I[1] - spin * r_I[0], v_I[2])
+        q = point_attitude(case, plant, t, rotation, place, v_rel_I=v_rel_I, v_air_I=v_air_I)
     else:
         q = take_attitude(y)
     v_air = to_frame(q, v_air_I)

@@ -1,11 +1,12 @@
 """A point mass in place of the rigid body: attitude follows the commanded bank angle instead of torques.
 
-Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body;
-angle of attack is the commanded one, sideslip zero, bank (about the air-relative velocity) the commanded one
-at once or at a limited rate, the shorter way round.  Left out: body rates, thrusters, engine, and the flight
-after parachute deployment; in a wind, bank here is about the air-relative velocity and the command about the
-planet-relative one.  Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan,
-Sun & Guo 2016 (eqs. 1-6), here in Cartesian form over a rotating planet.
+Position and velocity are integrated in I under the same gravity, air and aerodynamics as the rigid body.
+The angle of attack is the commanded one and sideslip is zero, both relative to the air.  The bank angle is
+about the planet-relative velocity, as in telemetry and commands, and follows the command at once or at a
+limited rate, the shorter way round.  Left out: body rates, thrusters, engine, and the flight after parachute
+deployment.
+Source: the three-degree-of-freedom equations of Zheng & Cui 2015 (eqs. 1-8) and Yan, Sun & Guo 2016 (eqs.
+1-6), here in Cartesian form over a rotating planet.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Literal
 from edl6dof.config.base import Params, group, param
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import sin
-from edl6dof.spatial.frames import attitude_from_wind_angles, ned_to_fixed, rotate_z, wrap
+from edl6dof.spatial.frames import attitude_in_wind, ned_to_fixed, rotate_z, wrap
 from edl6dof.spatial.quaternion import from_frame, to_frame
 from edl6dof.spatial.vector import add, clamp, dot, norm, put3, scale, sub, take3, unit
 from edl6dof.vehicle.plant import HEAT, POSITION, STATES_VEHICLE, VELOCITY
@@ -64,11 +65,13 @@ def command_bank(case, plant, bank, alpha):
 
 
 @kernel
-def point_attitude(case, plant, t, rotation, place, v_air_I):
-    """Attitude ``q_I2B`` that bank, angle of attack and zero sideslip give at time ``t`` (s)."""
+def point_attitude(case, plant, t, rotation, place, v_rel_I, v_air_I):
+    """Attitude ``q_I2B`` at time ``t`` (s) with the commanded angles; ``v_rel_I`` and ``v_air_I`` are the
+    velocities relative to the planet and to the air.
+    """
     up_F = ned_to_fixed(place[0], place[1], place[2], place[3], (0.0, 0.0, -1.0))
     up = rotate_z(rotation[0], -rotation[1], up_F)
-    return attitude_from_wind_angles(v_air_I, up, bank_at(case, plant, t), plant.alpha, 0.0)
+    return attitude_in_wind(v_rel_I, v_air_I, up, bank_at(case, plant, t), plant.alpha)
 
 
 @kernel

@@ -6,6 +6,7 @@ from math import atan2, cos, degrees, radians, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import edl6dof
 from edl6dof.config.dtype import dtype_of, fill
@@ -15,6 +16,7 @@ from edl6dof.verify.entries import integrated
 RADIUS = 3394500.0
 LIFT_TO_DRAG, BALLISTIC = 0.24, 3300.0 / (15.9 * 1.45)
 TIME_S = 90.0
+SPIN = 7.1e-5
 #: Nobody guides: the bank angle stays the initial one.
 FREE = ("mission={goal: time, phases: []}", f"simulation.time_limit_s={TIME_S}")
 
@@ -87,6 +89,37 @@ def test_bank_follows_the_command_at_its_rate_the_short_way():
 def test_ideal_bank_is_there_at_the_next_reading():
     telemetry = edl6dof.fly("zheng2015", ["simulation.time_limit_s=80", "mission.goal=time"]).telemetry
     assert telemetry["truth.bank_deg"][1:] == pytest.approx(telemetry["guide.bank_deg"][:-1], abs=1e-6)
+
+
+def bank_by_geometry(rows, spin):
+    """Angle (deg) of y of B from the horizontal, seen along the velocity relative to a planet that spins at
+    ``spin`` (rad/s).
+    """
+    q = np.stack([rows[f"truth.q_I2B_{part}"] for part in "wxyz"], axis=1)
+    side = Rotation.from_quat(q, scalar_first=True).apply([0.0, 1.0, 0.0])
+    lat, lon = (
+        np.radians(rows["truth.latitude_deg"]),
+        np.radians(rows["truth.longitude_deg"]) + spin * rows["t_s"],
+    )
+    side = Rotation.from_euler("ZY", np.stack([lon, -lat], axis=1)).inv().apply(side)  # up, east, north
+    v = np.stack([rows[f"truth.v_{axis}_m_s"] for axis in ("down", "east", "north")], axis=1) * [-1, 1, 1]
+    right = np.cross(v, [1.0, 0.0, 0.0])
+    below = np.cross(v, right) / np.linalg.norm(v, axis=1)[:, None]
+    return np.degrees(np.arctan2(np.sum(side * below, axis=1), np.sum(side * right, axis=1)))
+
+
+def test_bank_is_about_the_planet_relative_velocity_in_a_wind_too():
+    """The velocities relative to air and planet differ by up to 2 deg; angle of attack and sideslip are those
+    in the air.
+    """
+    wind = "wind={model: constant, constant: {east_m_s: 80.0, north_m_s: -120.0}}"
+    short = ["simulation.time_limit_s=80", "mission.goal=time", f"planet.rotation_rate_rad_s={SPIN}"]
+    rows = edl6dof.fly("zheng2015", [wind, *short]).telemetry
+    still = edl6dof.fly("zheng2015", short).telemetry
+    assert bank_by_geometry(rows, SPIN) == pytest.approx(rows["truth.bank_deg"], abs=1e-6)
+    assert rows["truth.bank_deg"][1:] == pytest.approx(rows["guide.bank_deg"][:-1], abs=1e-6)
+    assert rows["truth.alpha_deg"][5:] == pytest.approx(still["truth.alpha_deg"][5], abs=1e-9)
+    assert rows["truth.beta_deg"] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_accelerometer_reads_drag_and_lift():
