@@ -43,7 +43,7 @@ def test_units_stand_in_brackets(path):
 def test_every_picture_is_drawn_by_one_path():
     """Reports use matplotlib and plotly through two modules of their own.  Studies,
     which use the simulator as a user does, draw with matplotlib in one module, and so do the tools that run
-    notebooks and draw the conventions.
+    notebooks and draw the conventions.  Titles of films take its fonts.
     """
     everywhere = (*PACKAGE.rglob("*.py"), *(PACKAGE.parent / "tools").glob("*.py"))
     found = {
@@ -55,6 +55,7 @@ def test_every_picture_is_drawn_by_one_path():
         "matplotlib_figure.py",
         "pdf.py",
         "frame.py",
+        "titles.py",
         "docs_notebooks.py",
         "docs_conventions.py",
     }

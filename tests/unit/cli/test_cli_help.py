@@ -115,7 +115,7 @@ def test_help_of_a_command_is_in_words_of_its_reader(words, capsys, monkeypatch)
     ("words", "said"),
     [
         (["campaign"], ("[at least 1]", "[1 to 1024]")),
-        (["replay"], ("[at least 0.1]", "[default: 24.0; 1 to 120]")),
+        (["replay"], ("[at least 0.1]", "[default: 30.0; 1 to 120]")),
     ],
     ids=["campaign", "replay"],
 )
