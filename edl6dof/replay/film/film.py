@@ -54,8 +54,9 @@ def drawn(flight: History, times: np.ndarray, fps: float, size: tuple[int, int])
         cast = Cast(stage, flight, motion)
         for number, view in enumerate(views(motion, shots, times, fps)):
             t = float(times[number])
-            cast.show(t)
-            height = float(np.interp(t, flight.t, motion.height))
-            yield titles.write(stage.draw(view, height), number)
+            if number == 0 or t != times[number - 1]:  # the film ends with a still
+                cast.show(t)
+                picture = stage.draw(view, float(np.interp(t, flight.t, motion.height)))
+            yield titles.write(picture.copy(), number)
     finally:
         stage.close()
