@@ -25,7 +25,7 @@ from edl6dof.replay import browser, viewer
 from edl6dof.replay.film.encoder import encoder
 from edl6dof.replay.film.film import film
 from edl6dof.replay.film.pace import Cut
-from edl6dof.replay.film.stage import library
+from edl6dof.replay.film.stage import require_graphics
 from edl6dof.replay.film.titles import COLUMNS as FILMED
 from edl6dof.replay.history import Flown, History, thin, vector
 from edl6dof.replay.pages import CAMPAIGN, TITLES, TOUR
@@ -39,7 +39,7 @@ from edl6dof.sim.flight import Flight, fly
 
 #: Flight of a campaign that is followed if none is named.
 NOMINAL = "in which nothing is dispersed and nothing fails; it is none of the cases."
-#: Cases of a campaign that are drawn beside the worst, for more would hide each other, and rows of each, Hz.
+#: Cases of a campaign that are drawn with the worst, for more would hide each other, and rows of each, Hz.
 MOST_CASES, RATE_HZ = 2000, 0.5
 #: Worst cases that are marked.
 MOST_WORST = 6
@@ -142,7 +142,8 @@ def _show(
 
 def _write_film(runs: Sequence[Path], file: Path, video: Film, case: int | None, force: bool) -> None:
     """Write the film of one flight: of a run, of a case of a campaign, or of its nominal flight."""
-    encoder(), library()  # or the flight would be read in vain
+    encoder()  # both before the flight is read
+    require_graphics()
     flight = _filmed(runs, case)
     cut = video.cut(flight)
     with atomic_file(file, force, runs[0]) as partial, count_runs("frames") as progress:

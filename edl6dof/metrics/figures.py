@@ -305,7 +305,7 @@ FIGURES: tuple[FigureOfMerit, ...] = (
        clearance=True),
     _F("coarse_parts", "parts into which the landing image was divided", "telemetry"),
     _F("coarse_obstacles", "share of obstacles in the chosen part of the landing image", "telemetry"),
-    _F("coarse_clear_m", "distance of the coarse point from the paths of backshell and canopy", "telemetry",
+    _F("coarse_clear_m", "distance of the coarse point from where backshell and canopy may be", "telemetry",
        clearance=True),
     _F("spot_found", "whether a safe spot was found", "telemetry", clearance=True),
     _F("spot_clearance_m", "distance of the chosen spot from the nearest unsafe one", "telemetry",

@@ -12,4 +12,4 @@ class NoViewer(ViewerFailed):
 
 
 class NoFilm(RuntimeError):
-    """A library or the encoder is missing, or the encoder ended with an error; the text says which."""
+    """A library, graphics or the encoder is missing, or the encoder failed; the text says which."""

@@ -166,7 +166,7 @@ def offset_trim(planted: Sequence[str] = ()) -> Report:
     gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: a
     body of revolution trims in the plane of axis and centre of mass, at the total angle of the moment balance
     of ``capsule_trim``; the velocity in B is the one of that case, turned about x | tolerance 2e-3 deg, twice
-    the trim error of ``capsule_trim``: a flight that begins beside the trim swings to its other side.
+    the trim error of ``capsule_trim``: a flight that begins off the trim swings to its other side.
 
     Begin at this trim and compare angle of attack and sideslip for 20 s.
 

@@ -169,7 +169,7 @@ def test_lander_whose_riser_tears_leaves_early_and_comes_down_on_its_engine(time
     assert flight.landed, flight.outcome
     assert flight.figures["touchdown_vertical_m_s"] < 3.0
     assert flight.figures["backshell_height_m"] < 4100.0
-    # without a parachute the backshell falls beside the lander, near the ground too close
+    # without a parachute the backshell falls near the lander, too close at the ground
     beyond = "at backshell release" if time_s < 410 else "least distance from backshell and canopy"
     assert flight.success or beyond in flight.cause
     straight_on = flown(

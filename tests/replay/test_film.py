@@ -21,6 +21,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film import encoder as encoders
 from edl6dof.replay.film import film as films
+from edl6dof.replay.film import stage as stages
 from edl6dof.replay.film.pace import LENGTH_S, STILL_S, Cut, frame_times, shown_events
 from edl6dof.replay.film.shots import Shot, shot_list, views
 from edl6dof.replay.film.titles import COLUMNS, Titles
@@ -46,6 +47,7 @@ def given(filmed, monkeypatch) -> None:
     """Lets the command film the made-up flight, whatever folder is named."""
     pytest.importorskip("pyvista")
     monkeypatch.setattr(replays, "_filmed", lambda *_: filmed)
+    monkeypatch.setattr(stages, "_PROBE", "")
 
 
 @pytest.fixture
@@ -171,8 +173,8 @@ def test_no_shot_is_a_flash(filmed):
 
 
 def test_a_film_shows_the_lander_on_the_ground(filmed, tmp_path):
-    pytest.importorskip("pyvista")
     try:
+        stages.require_graphics()
         program = encoders.encoder()
     except NoFilm as missing:
         pytest.skip(str(missing))
@@ -200,6 +202,16 @@ def test_what_is_lacking_is_said_before_anything_is_drawn(
     assert run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4") == UNAVAILABLE
     said = capsys.readouterr().err
     assert lacking in said and "pip install 'edl6dof[video]'" in said and len(said.splitlines()) == 1
+    assert drawn == [] and [path.name for path in tmp_path.iterdir()] == ["bin"]
+
+
+def test_a_machine_without_graphics_is_said_to_have_none(tmp_path, drawn, encoder, monkeypatch, capsys):
+    """VTK ends the process that tries to draw there."""
+    encoder(KEEPS)
+    monkeypatch.setattr(stages, "_PROBE", "import os; os.abort()")
+    assert run_replay(tmp_path / "bin/ffmpeg", tmp_path / "flight.mp4") == UNAVAILABLE
+    said = capsys.readouterr().err
+    assert "this machine has none that VTK can draw with" in said and len(said.splitlines()) == 1
     assert drawn == [] and [path.name for path in tmp_path.iterdir()] == ["bin"]
 
 

@@ -1,10 +1,12 @@
 """Wind from the force across the body axis: the difference from the expected wind.
 
-Across the body axis the aerodynamic force grows with the angle of attack: a_y / a_x = k v / u, and for z
-likewise, with the velocity (u, v, w) in air and the believed slope k of C_N / C_A. The readings show the
-components v and w of the velocity in air; the navigated velocity less these is the wind, of which the axes y
-and z see two components. A Kalman filter with the horizontal difference from the expected wind as its two
-states makes them consistent. It sees the component along the flight as far as the path is inclined.
+Across the body axis the aerodynamic force grows with the angle of attack: a_y / a_x = k v / u and
+a_z / a_x = k w / u, with the velocity (u, v, w) in air and the believed slope k of C_N / C_A. The readings
+thus show v and w; the navigated velocity less these gives two components of the wind, along the axes y and z.
+A Kalman filter with the horizontal difference from the expected wind as its two states makes them consistent.
+It observes the component along the flight only as far as the path is inclined.
+
+A thruster that is stuck open and not diagnosed also pushes aside, and is taken for wind.
 
 The force of thrusters, swings and gusts disturb the shown angle independently after ``swing_time_s``. The
 error of the slope lasts; it counts as noise that is independent after ``lasting_s``.

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from edl6dof.replay.film.stage import Stage, Track, pose
+from edl6dof.replay.film.stage import Stage, Track, pose, upright
 from edl6dof.replay.history import History
 from edl6dof.replay.scene import craft_shapes as shapes
-from edl6dof.replay.scene.craft import LINE, glow
+from edl6dof.replay.scene.craft import LINE, SHIELD_COLD, glow
 from edl6dof.replay.scene.ground import RINGS, dust, dust_ring, puffs
 from edl6dof.replay.scene.mesh import Mesh, bright, grid_triangles, merge, plume, revolve, sphere
 from edl6dof.replay.scene.poses import Motion, OpenParachute
@@ -22,8 +22,8 @@ _LEAST = 0.02
 _FADES_M, _DARK = 60.0, 0.62
 #: Opacity of the thickest dust.
 _DUST = 0.3
-#: Tint of a cold heat shield, of one that glows, and of the gas in front of it.
-_COLD, _HOT, _GAS = 104.0 / 255.0, (255, 140, 60), (255, 170, 105)
+#: Colours of a heat shield that glows, and of the gas in front of it.
+_HOT, _GAS = (255, 140, 60), (255, 170, 105)
 
 #: Function of the time (s) that updates an actor.
 Update = Callable[[float], None]
@@ -142,15 +142,15 @@ class Cast:
         flow = Track.of(self.t, self.motion.nose, turns.from_x_to(speed))
 
         def update(t: float) -> None:
-            bright = float(np.interp(t, self.t, hot))
-            shown = bright > 0.01 and t < until
+            brightness = float(np.interp(t, self.t, hot))
+            shown = brightness > 0.01 and t < until
             for actor, share, track in (
                 (face_actor, 1.0, self.body),
                 *((one, part, flow) for one, part in gas),
             ):
                 actor.visibility = shown
                 if shown:
-                    actor.prop.opacity = min(1.0, bright * share)
+                    actor.prop.opacity = min(1.0, brightness * share)
                     actor.user_matrix = track.at(t)
 
         self._updates.append(update)
@@ -235,11 +235,9 @@ class Cast:
             steps = wide * np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
             up = site.ground(*(spot + steps).T)[1]
             normal = np.array([up[2] - up[1], up[4] - up[3], 2.0 * wide])
-            normal /= np.linalg.norm(normal)
-            half = np.array([1.0 + normal[2], -normal[1], normal[0], 0.0])
             size = wide * (1.0 + height / 40.0)
             place = np.array([*spot, up[0] + 0.06])
-            actor.user_matrix = pose(place, half / np.linalg.norm(half), np.array([size, size, 1.0]))
+            actor.user_matrix = pose(place, upright(normal), np.array([size, size, 1.0]))
             actor.prop.opacity = _DARK * float(np.exp(-height / _FADES_M))
 
         self._updates.append(update)
@@ -278,8 +276,7 @@ def _ring(seed: int, colour: Any) -> tuple[Mesh, np.ndarray]:
 
 def _tinted(mesh: Mesh) -> Mesh:
     """The heat shield in its own colour: its mesh is light, so that heat can tint it."""
-    tint = np.array([104.0, 84.0, 70.0]) / 255.0
-    return mesh._replace(colours=(mesh.colours * tint).astype(np.uint8))
+    return mesh._replace(colours=(mesh.colours * (SHIELD_COLD / 255.0)).astype(np.uint8))
 
 
 def _gas(shape: Any) -> list[tuple[Mesh, np.ndarray, float]]:

@@ -74,11 +74,11 @@ def _paced(cut: Cut, moments: np.ndarray, length_s: float) -> tuple[np.ndarray, 
     calm, step = 0.5 * (calm[1:] + calm[:-1]), np.diff(t)
     eventful = calm < 1.0
 
-    def film_s(factor: float, where: np.ndarray) -> float:
+    def film_s(factor: float, where: np.ndarray | slice = slice(None)) -> float:
         return float((step / factor**calm)[where].sum())
 
     # real time around the events, if that leaves enough of the film to the rest
-    factor = _solved(lambda factor: film_s(factor, eventful | ~eventful) - length_s)
+    factor = _solved(lambda factor: film_s(factor) - length_s)
     slowest = film_s(factor, eventful) / (_EVENTFUL * length_s)
     if slowest > 1.0:
         share = _EVENTFUL / (1.0 - _EVENTFUL)

@@ -5,10 +5,12 @@ Every moving part is a mesh in its own axes with a pose; positions are composed 
 
 from __future__ import annotations
 
+import subprocess
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from edl6dof.child import python
 from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film.shots import View
 from edl6dof.replay.history import History
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 _CLEAR_AIR_M = 70e3
 #: Rows and columns of the sky, radius (m) of its dome, and noise of the sky in steps of colour.
 _DOME, _DOME_M = (121, 120), 1.5e6
+#: Python code that draws off screen.  Without graphics, VTK ends the process that tries.
+_PROBE = "import pyvista; pyvista.Plotter(off_screen=True, window_size=(8, 8)).render_window.Render()"
 #: Brightness of a surface in shadow, and of light from the side of the camera.
 _AMBIENT, _FILL = 0.32, 0.34
 
@@ -190,7 +194,7 @@ class Stage:
         """Colour sky and ground for the height of the camera and the distances to it."""
         look = self.motion.site.appearance
         air = float(np.exp(-max(height_m, 0.0) / look.sky_scale_m))
-        self._dome.user_matrix = pose(view.eye, _upright(view.up), _DOME_M)
+        self._dome.user_matrix = pose(view.eye, upright(view.up), _DOME_M)
         self._dome_data.point_data["rgb"] = (self._dome_colours * air).astype(np.uint8)
         horizon = np.array(look.sky_horizon) * (0.35 + 0.65 * air)
         depth = max(height_m, 1.0) / look.sky_scale_m
@@ -209,8 +213,9 @@ def _outward(mesh: Mesh) -> np.ndarray:
     return np.where(behind[:, None], mesh.triangles[:, ::-1], mesh.triangles)
 
 
-def _upright(up: np.ndarray) -> np.ndarray:
-    """Shortest turn of z to ``up``."""
+def upright(up: np.ndarray) -> np.ndarray:
+    """Return the shortest turn (quaternion) of z to ``up``, of any length but zero."""
+    up = up / np.linalg.norm(up)
     half = np.array([1.0 + up[2], -up[1], up[0], 0.0])
     return half / np.linalg.norm(half) if half[0] > 1e-9 else np.array([0.0, 1.0, 0.0, 0.0])
 
@@ -226,3 +231,17 @@ def library() -> Any:
     except ImportError:
         raise NoFilm("a film needs pyvista: pip install 'edl6dof[video]'") from None
     return pyvista
+
+
+def require_graphics() -> None:
+    """Draw in another process.
+
+    Raises:
+        NoFilm: pyvista is not installed, or this machine has no graphics that it can draw with.
+    """
+    library()
+    if subprocess.run(python(_PROBE), capture_output=True, check=False).returncode:
+        raise NoFilm(
+            "a film needs graphics, and this machine has none that VTK can draw with; without a GPU it needs "
+            "EGL and Mesa (Debian: apt-get install libegl1 libgl1-mesa-dri)"
+        )
