@@ -6,7 +6,9 @@ thus show v and w; the navigated velocity less these gives two components of the
 A Kalman filter with the horizontal difference from the expected wind as its two states makes them consistent.
 It observes the component along the flight only as far as the path is inclined.
 
-A thruster that is stuck open and not diagnosed also pushes aside, and is taken for wind.
+A thruster that is stuck open and not diagnosed also pushes aside, and is taken for wind. The slope is one
+number at trim and one about zero, but varies in between: a vehicle that enters at a large angle of attack, as
+that of MSL, shows a wrong wind along the flight.
 
 The force of thrusters, swings and gusts disturb the shown angle independently after ``swing_time_s``. The
 error of the slope lasts; it counts as noise that is independent after ``lasting_s``.
@@ -29,7 +31,7 @@ from edl6dof.spatial.vector import take3, take4
 class WindEstimateParams(Params):
     """Estimate of the wind from the force across the body axis."""
 
-    enabled: bool = param(True, "whether the wind is estimated")
+    enabled: bool = param(False, "whether the wind is estimated")
     sigma_m_s: float = param(
         30.0, "standard deviation of the difference from the expected wind", status="estimate", gt=0.0, le=200
     )
@@ -52,10 +54,7 @@ class WindEstimateParams(Params):
         1.5, "standard deviation of the angle in one reading", status="estimate", gt=0.0, le=20.0
     )
     gate: float = param(
-        3.0,
-        "standard deviations from which on a reading is not used, as of a thruster stuck open",
-        gt=0.0,
-        le=100,
+        3.0, "standard deviations from which on a reading is not used", status="estimate", gt=0.0, le=100.0
     )
     least_force_m_s2: float = param(0.5, "axial force from which on it is used", status="estimate", gt=0.0)
 

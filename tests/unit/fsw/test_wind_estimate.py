@@ -40,7 +40,7 @@ def readings(onboard, wind, descent_deg, flow, wing_open):
 
 def estimated(onboard, nav, seconds, **values):
     memory, params = np.zeros(1, WIND_ESTIMATE)[0], np.zeros(1, dtype_of(WindEstimateParams))[0]
-    fill(params, WindEstimateParams(**values))
+    fill(params, WindEstimateParams(enabled=True, **values))
     for _ in range(round(seconds / DT)):
         nav["t"] += DT
         estimate_wind(params, onboard[0]["vehicle"], (2.0, -3.0), nav, memory)
