@@ -29,8 +29,7 @@ from edl6dof.config.errors import ConfigError
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import LIMITS
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.campaign.margins import head, in_words, note, shown_shares
-from edl6dof.report.document import significant
+from edl6dof.report.campaign.margins import allowed, head, in_words, note, shown_shares
 from edl6dof.report.terminal import open_table
 
 
@@ -131,7 +130,7 @@ def limits_table(results: Results) -> Table:
         values = results[figure.name]
         cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
         missed = str(int(figure.violates(values, limit).sum()))
-        table.add_row(figure.meaning, figure.unit.label, *cells, significant(limit), missed)
+        table.add_row(figure.meaning, figure.unit.label, *cells, allowed(figure, limit), missed)
     return table
 
 

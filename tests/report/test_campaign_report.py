@@ -90,7 +90,8 @@ def test_clearance_is_judged_by_its_smallest_values():
     known.limits = [(figure_of_merit("min_drift_distance_m"), 60.0)]
     table = next(block for block in margins.limits(known) if isinstance(block, Table))
     assert table.rows[0][3].startswith("90.4") and table.rows[0][-1] == "0"
-    assert table.rows[0][-2].text == "67 %"
+    assert table.rows[0][-2].text == "67 %" and table.rows[0][-3] == "at least 60"
+    assert "its share of the flights exceeds" in words(margins.limits(known))
     known.limits = [(figure_of_merit("min_drift_distance_m"), 91.0)]
     worst = next(block for block in margins.worst(known) if isinstance(block, Table)).rows[0]
     assert worst[2].mood == "bad" and worst[4].startswith("0, 1")

@@ -56,11 +56,16 @@ def limits(results: Results) -> Iterator[Block]:
         used = "-" if share is None else Cell(in_percent(share), mood, share)
         cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
         label, unit = figure.meaning, printed(figure.unit.label)
-        rows.append([label, unit, *cells, significant(limit), used, str(missed)])
+        rows.append([label, unit, *cells, allowed(figure, limit), used, str(missed)])
     end = "outer bound of the last quantile" if results.is_sample else "worst value"
     yield Text(f"{note(results)} Used is the {end} over the limit.")
     heads = [f"{head(share)}>" for share in shares]
     yield Table(["figure", "unit", *heads, "limit>", "used>", "missed>"], rows)
+
+
+def allowed(figure: FigureOfMerit, limit: float) -> str:
+    """Return a limit as text."""
+    return f"at least {significant(limit)}" if figure.clearance else significant(limit)
 
 
 def _bound(
@@ -170,7 +175,11 @@ def note(results: Results) -> str:
     too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
     needs = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in too_far)
     refused = f" Quantiles further out need more than {flights:,} flights: {needs}." if too_far else ""
-    return f"Quantiles with their 95 % bounds, by order statistics.{refused}"
+    least = any(figure.clearance for figure, _ in results.limits)
+    exceeded = (
+        " Where a limit is a least value, its share of the flights exceeds the quantile." if least else ""
+    )
+    return f"Quantiles with their 95 % bounds, by order statistics.{exceeded}{refused}"
 
 
 def causes(results: Results) -> Block:
@@ -243,7 +252,7 @@ def worst(results: Results) -> Iterator[Block]:
             label, unit = figure.meaning, figure.unit.label
             shown = Cell(significant(values[nearest[0]]), "bad" if share > 1.0 else "plain", share)
             cases = ", ".join(str(results.cases[index]) for index in nearest)
-            rows.append([label, printed(unit), shown, significant(limit), cases])
+            rows.append([label, printed(unit), shown, allowed(figure, limit), cases])
     if rows:
         yield Text(f"The worst of each first; one of them again: edl6dof refly {results.folder} CASE")
         yield Table(["figure", "unit", "worst>", "limit>", "cases"], rows)
