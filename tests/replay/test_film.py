@@ -24,6 +24,7 @@ from edl6dof.replay.film import film as films
 from edl6dof.replay.film import stage as stages
 from edl6dof.replay.film.pace import LENGTH_S, STILL_S, Cut, frame_times, shown_events
 from edl6dof.replay.film.shots import Shot, shot_list, views
+from edl6dof.replay.film.smooth import smooth
 from edl6dof.replay.film.titles import COLUMNS, Titles
 from edl6dof.replay.history import History
 from edl6dof.replay.scene import craft_shapes
@@ -270,3 +271,22 @@ def test_a_page_is_not_filmed(tmp_path, drawn):
     with pytest.raises(ConfigError, match="a film has shots of its own"):
         run_replay(tmp_path / "run", tmp_path / "flight.mp4", page="Tour")
     assert drawn == []
+
+
+@pytest.mark.parametrize("degrees", [3.0, 20.0, 50.0, 80.0])
+def test_edges_are_smooth_and_the_rest_is_left_as_it_is(degrees):
+    """Compared with the share of each pixel that a half plane covers."""
+    fine, size = 8, 48
+    row, column = np.indices((fine * size, fine * size)) / fine - 0.5 * size
+    turn = np.radians(degrees)
+    inside = row * np.cos(turn) < column * np.sin(turn)
+    truth = 40.0 + 160.0 * inside.reshape(size, fine, size, fine).mean(axis=(1, 3))
+    stepped = 40 + 160 * inside[fine // 2 :: fine, fine // 2 :: fine].astype(np.uint8)
+    picture = np.repeat(stepped[..., None], 3, axis=-1)
+    smooth(picture)
+    off = np.abs(picture[..., 0] - truth)[4:-4, 4:-4]
+    assert off.sum() < 0.6 * np.abs(stepped - truth)[4:-4, 4:-4].sum()
+    level = (truth <= 40.0) | (truth >= 200.0)
+    far = np.array([level[max(k - 1, 0) : k + 2].all(axis=0) for k in range(size)])
+    far &= np.roll(far, 1, axis=1) & np.roll(far, -1, axis=1)
+    assert np.array_equal(picture[far], np.repeat(stepped[far][:, None], 3, axis=-1))

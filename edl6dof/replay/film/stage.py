@@ -13,6 +13,7 @@ import numpy as np
 from edl6dof.child import python
 from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film.shots import View
+from edl6dof.replay.film.smooth import smooth
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.mesh import Mesh
@@ -83,7 +84,6 @@ class Stage:
         self.plotter: pyvista.Plotter = self.pv.Plotter(off_screen=True, window_size=size, lighting="none")
         self.plotter.set_background("black")
         self.plotter.disable_anti_aliasing()
-        self.plotter.renderer.SetUseFXAA(True)  # half the time of multisampling
         self.plotter.remove_all_lights()
         sun = 1e3 * motion.site.light
         self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.8))
@@ -132,8 +132,9 @@ class Stage:
         pixels = self.pv.convert_array(np.empty(0, np.uint8))
         width, height = self.size
         window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
-        found: np.ndarray = self.pv.convert_array(pixels).reshape(height, width, 3)[::-1]
-        return found
+        picture = self.pv.convert_array(pixels).reshape(height, width, 3)
+        smooth(picture)
+        return np.asarray(picture[::-1])
 
     def close(self) -> None:
         """Release the graphics."""
@@ -170,17 +171,20 @@ class Stage:
         data = self._data(mesh)
         self._dome_data = data
         self._dome = self.plotter.add_mesh(data, scalars="rgb", rgb=True, lighting=False, reset_camera=False)
-        self._texture(self._dome, data, texture)
+        self._texture(self._dome, data, texture, fine=False)
 
-    def _texture(self, actor: Any, data: Any, noise: Any) -> None:
-        """Multiply the colours of an actor by a repeated tile of noise."""
+    def _texture(self, actor: Any, data: Any, noise: Any, fine: bool = True) -> None:
+        """Multiply the colours of an actor by a repeated tile of noise; ``fine``: between its texels, too."""
         data.active_texture_coordinates = noise.coordinates
         actor.texture = self.pv.Texture(noise.tile)
-        actor.texture.repeat = actor.texture.interpolate = actor.texture.mipmap = True
+        actor.texture.repeat = True
+        actor.texture.interpolate = actor.texture.mipmap = fine
         actor.texture.SetMaximumAnisotropicFiltering(1.0)
 
     def _thin_gas(self, view: View) -> None:
-        """Make gas transparent where the camera sees its surface edge on."""
+        """Make gas transparent where the camera sees its surface edge on, and blend its layers exactly."""
+        shown = any(gas[0].visibility for gas in self._gas)
+        self.plotter.renderer.SetUseOIT(shown)  # a second picture, which flames alone do not need
         for actor, data, places, normals, colours, opacity in self._gas:
             if actor.visibility:
                 matrix = np.asarray(actor.user_matrix)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -31,7 +32,6 @@ class Titles:
     def __init__(self, flight: History, times: np.ndarray, size: tuple[int, int], fps: float) -> None:
         self.flight, self.times, self.size, self.fps = flight, times, size, fps
         self._unit = size[1] / 1080.0
-        self._fonts: dict[tuple[str, int], Any] = {}
         self.captions = [
             (int(np.searchsorted(times, one["t_s"])), *_caption(one))
             for one in shown_events(flight.events)
@@ -54,8 +54,8 @@ class Titles:
         credits = np.clip((CREDITS_S - left_s) / 0.8, 0.0, 1.0) if len(self.times) > 12 * self.fps else 0.0
         if credits > 0.0:
             frame = (frame * (1.0 - 0.4 * credits)).astype(np.uint8)
-        image = Image.fromarray(frame)
-        self._draw = ImageDraw.Draw(image, "RGBA")
+        self._image = Image.fromarray(frame)
+        self._draw = ImageDraw.Draw(self._image, "RGBA")
         if credits < 1.0:
             self._figures(number, 1.0 - credits)
             self._captions(number, 1.0 - credits)
@@ -63,29 +63,19 @@ class Titles:
             self._title(min(1.0, film_s / 0.8, (TITLE_S - film_s) / 0.8))
         if credits > 0.0:
             self._credits(float(credits))
-        return np.asarray(image)
+        return np.asarray(self._image)
 
     def _text(
         self, place: tuple[float, float], words: str, size: float, look: str, colour: Any, shown: float
     ) -> None:
         """Write words, their baseline at a place (shares of the frame); ``size``: pixels of 1080."""
-        x, y = place[0] * self.size[0], place[1] * self.size[1]
-        if shown <= 0.0:
+        if shown <= 0.0 or not words:
             return
-        font, off = self._font(look, round(size * self._unit)), max(1.0, 1.6 * self._unit)
-        for shift, tint, share in ((off, (0, 0, 0), 0.55), (0.0, colour, 1.0)):
-            self._draw.text(
-                (x + shift, y + shift), words, font=font, anchor="ls", fill=(*tint, int(255 * shown * share))
-            )
-
-    def _font(self, look: str, size: int) -> Any:
-        if (look, size) not in self._fonts:
-            import matplotlib
-            from PIL import ImageFont
-
-            file = Path(matplotlib.get_data_path()) / "fonts/ttf" / f"{look}.ttf"
-            self._fonts[look, size] = ImageFont.truetype(str(file), max(size, 6))
-        return self._fonts[look, size]
+        mask, left, top = _written(words, look, max(round(size * self._unit), 6))
+        x, y = round(place[0] * self.size[0]) + left, round(place[1] * self.size[1]) + top
+        off = max(1, round(1.6 * self._unit))
+        for shift, tint, share in ((off, (0, 0, 0), 0.55 * shown), (0, colour, shown)):
+            self._image.paste(tint, (x + shift, y + shift), mask.point([int(share * k) for k in range(256)]))
 
     def _figures(self, number: int, shown: float) -> None:
         """Write time, height, speed, load, phase and pace."""
@@ -145,6 +135,19 @@ class Titles:
         for words, size, look, colour in [*head, *((line, 30, "DejaVuSans", _PALE) for line in about)]:
             y += 1.45 * size / 1080.0
             self._text((0.06, y), words, size, look, colour, shown)
+
+
+@lru_cache(maxsize=64)
+def _written(words: str, look: str, size: int) -> tuple[Any, int, int]:
+    """Picture of words in a font, and the place of its left and top edge from the start of the baseline."""
+    import matplotlib
+    from PIL import Image, ImageDraw, ImageFont
+
+    font = ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts/ttf" / f"{look}.ttf"), size)
+    left, top, right, bottom = (int(edge) for edge in font.getbbox(words, anchor="ls"))
+    mask = Image.new("L", (right - left + 1, bottom - top + 1))
+    ImageDraw.Draw(mask).text((-left, -top), words, font=font, anchor="ls", fill=255)
+    return mask, left, top
 
 
 def _caption(event: Mapping[str, Any]) -> tuple[str, str]:
