@@ -9,7 +9,7 @@ import numpy as np
 
 from edl6dof.replay.film.actors import Cast
 from edl6dof.replay.film.encoder import encoder, encoding
-from edl6dof.replay.film.pace import Cut, frame_times, shown_events
+from edl6dof.replay.film.pace import Cut, frame_times, moments, reversals
 from edl6dof.replay.film.shots import shot_list, views
 from edl6dof.replay.film.stage import Stage
 from edl6dof.replay.film.titles import Titles
@@ -41,14 +41,13 @@ def film(
 
 def times_of(flight: History, cut: Cut) -> np.ndarray:
     """Return the time of the flight (s) at each frame."""
-    moments = {one["key"]: one["t_s"] for one in reversed(shown_events(flight.events))}  # the first of a kind
-    return frame_times(cut, moments.values())
+    return frame_times(cut, *moments(flight.events))
 
 
 def drawn(flight: History, times: np.ndarray, fps: float, size: tuple[int, int]) -> Iterator[np.ndarray]:
     """Draw the frames at these times (s), shape (height, width, 3), uint8."""
     motion = Motion(flight)
-    shots = shot_list(motion, flight.when)
+    shots = shot_list(motion, flight.when, reversals(flight.events))
     titles, stage = Titles(flight, times, size, fps), Stage(flight, motion, size)
     try:
         cast = Cast(stage, flight, motion)

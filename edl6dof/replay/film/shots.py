@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
@@ -18,7 +18,9 @@ from edl6dof.spatial import rotations as turns
 #: vehicle, from a place on the ground.
 Framed = Literal["vehicle", "canopy", "pair", "ground"]
 #: Radius of the framed sphere around a vehicle, and largest around a pair, in diameters of the vehicle.
-_ROOM, _PAIR = 0.85, 2.6
+_ROOM, _PAIR = 0.85, 3.2
+#: Largest distance of two parts that fit into a pair, diameters.
+_NEAR = 2.0 * _PAIR - _ROOM - 0.5
 #: Share of half the field of view that the framed sphere fills.
 _FILLED = 0.8
 #: Height at which the camera on the ground takes over, and its distance from the landing place, diameters.
@@ -60,34 +62,58 @@ class View(NamedTuple):
     field_deg: float
 
 
-def shot_list(motion: Motion, when: Mapping[str, float]) -> list[Shot]:
-    """Return the shots of a flight in order of time; ``when``: first time (s) of each event and role."""
+def shot_list(motion: Motion, when: Mapping[str, float], reversals: Sequence[float]) -> list[Shot]:
+    """Return the shots of a flight in order of time; ``when``: first time (s) of each event and role;
+    ``reversals``: times (s) of bank reversals seen from behind.
+    """
     found = [Shot(float(motion.t[0]), "vehicle", 62.0, 10.0, 1.25)]
     mortar, shield, shell = (when.get(key, np.inf) for key in ("mortar", "heat_shield", "backshell"))
-    if (reversal := when.get("bank_reversal", np.inf)) < mortar:
+    for number, reversal in enumerate(one for one in reversals if one < mortar):
         found.append(Shot(reversal - 0.8, "vehicle", 176.0, 16.0, 1.3))
-        found.append(Shot(reversal + 5.0, "vehicle", -68.0, 9.0, 1.25))
+        lasts = 7.0 if number else 5.0  # the pace is faster around later ones
+        found.append(Shot(reversal + lasts, "vehicle", (68.0, 112.0)[number % 2], 9.0, 1.25))
     if mortar < np.inf:
         found.append(Shot(mortar - 0.8, "canopy", 84.0, -4.0))
         found.append(Shot(mortar + 9.0, "vehicle", 30.0, -52.0, 1.0, 3.0, 52.0))
+        found += _hanging(motion, min(shield, shell, float(motion.t[-1])))
     if shield < np.inf:
         found.append(Shot(shield - 1.0, "pair", 48.0, -34.0))
         found.append(Shot(_apart(motion, motion.heat_shield, shield + 4.5), "canopy", 110.0, 6.0))
         if shell - shield > 40.0:
             found.append(Shot(0.5 * (shield + shell), "vehicle", 40.0, 34.0, 1.2))
     if shell < np.inf:
-        found.append(Shot(shell - 1.2, "pair", 82.0, 8.0))
+        found.append(Shot(shell - 2.0, "pair", 82.0, 8.0))
         found.append(Shot(_apart(motion, motion.backshell, shell + 3.5), "vehicle", 70.0, -14.0))
     if (burn := when.get(roles.begun(roles.POWERED_DECELERATION))) is not None:
         found.append(Shot(max(burn, shell + 8.0) if shell < np.inf else burn, "vehicle", 58.0, 18.0, 1.15))
     if (hover := when.get(roles.begun(roles.HOVER_IMAGING))) is not None:
         found.append(Shot(hover, "vehicle", 36.0, 24.0, 1.5, 4.0))
+        found.append(Shot(when.get("scan", hover + 3.0), "vehicle", 150.0, 52.0, 1.6, 6.0, 48.0))
+    if (avoid := when.get(roles.begun(roles.HAZARD_AVOIDANCE))) is not None:
+        found.append(Shot(avoid, "vehicle", 30.0, 12.0, 1.3, 4.0))
     if (slow := when.get(roles.begun(roles.SLOW_DESCENT))) is not None:
         found.append(Shot(slow, "vehicle", 80.0, 5.0, 1.3, 3.0))
+    if len(found) == 1:  # nothing happens
+        third = (motion.t[-1] - motion.t[0]) / 3.0
+        found.append(Shot(float(motion.t[0] + third), "vehicle", 140.0, 24.0, 1.4))
+        found.append(Shot(float(motion.t[-1] - third), "vehicle", 40.0, -16.0, 1.2, 3.0))
     if (low := _landing(motion)) is not None:
         found = [shot for shot in found if shot.start_s < low]
         found.append(Shot(low, "ground", 64.0, 0.0, field_deg=38.0))
     return sorted(found, key=lambda shot: shot.start_s)
+
+
+def _hanging(motion: Motion, until_s: float) -> list[Shot]:
+    """Shots under the parachutes until a time (s): each later one opens, and all of each in half its time."""
+    found = []
+    begins = [float(motion.t[flown.first]) for flown in motion.parachutes()]
+    for number, (begin, end) in enumerate(pairwise([*begins, until_s])):
+        if number:
+            found.append(Shot(begin - 0.8, "canopy", 84.0, -4.0))
+            found.append(Shot(begin + 9.0, "vehicle", 30.0, -52.0, 1.0, 3.0, 52.0))
+        if end - begin > 40.0:
+            found.append(Shot(0.5 * (begin + end), "canopy", 110.0, 6.0))
+    return found
 
 
 def views(motion: Motion, shots: list[Shot], times: np.ndarray, fps: float) -> list[View]:
@@ -118,12 +144,12 @@ def views(motion: Motion, shots: list[Shot], times: np.ndarray, fps: float) -> l
 
 
 def _shown(shots: list[Shot], times: np.ndarray, shortest: int) -> np.ndarray:
-    """Number of the shot of each frame; a shot of less than ``shortest`` frames is left out."""
+    """Number of the shot of each frame, without cuts to the same view or to less than ``shortest`` frames."""
     shown = np.searchsorted([shot.start_s for shot in shots], times, side="right") - 1
     shown = np.maximum(shown, 0)
     begins = np.flatnonzero(np.diff(shown, prepend=shown[0]))
     for first, end in pairwise([*begins, len(times)]):
-        if end - first < shortest:
+        if end - first < shortest or shots[shown[first]][1:] == shots[shown[first - 1]][1:]:
             shown[first:end] = shown[first - 1]
     return shown
 
@@ -138,9 +164,9 @@ def _spheres(motion: Motion) -> dict[str, Spheres]:
     """Spheres that the shots frame, at the rows of the flight."""
     size = motion.shape.size
     alone = Spheres(motion.centre, np.full(len(motion.t), _ROOM * size))
-    other = cameras.away(motion)._replace(radius=np.full(len(motion.t), 0.5 * size))
-    first = min(motion.released(part) or len(motion.t) for part in (motion.heat_shield, motion.backshell))
-    both = alone.with_(other, np.arange(len(motion.t)) >= first)
+    free = np.isfinite(motion.backshell[:, :1])
+    part = Spheres(np.where(free, motion.backshell, motion.heat_shield), np.full(len(motion.t), 0.5 * size))
+    both = alone.with_(part, np.linalg.norm(part.centre - motion.centre, axis=-1) <= _NEAR * size)
     radius = np.minimum(both.radius, _PAIR * size)
     shift = both.centre - motion.centre
     reach = np.linalg.norm(shift, axis=-1)
@@ -156,7 +182,7 @@ def _spheres(motion: Motion) -> dict[str, Spheres]:
 def _apart(motion: Motion, part: np.ndarray, latest_s: float) -> float:
     """Time (s) from which a released part is too far away for a picture of both."""
     away = np.linalg.norm(part - motion.centre, axis=-1)
-    far = motion.t[away > 2.0 * _PAIR * motion.shape.size]
+    far = motion.t[away > _NEAR * motion.shape.size]
     return min(latest_s, float(far[0])) if len(far) else latest_s
 
 

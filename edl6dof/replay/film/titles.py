@@ -113,9 +113,11 @@ class Titles:
             self._text((0.053, y + 0.031), detail, 25, "DejaVuSans", _PALE, there)
 
     def _title(self, shown: float) -> None:
-        name = self.flight.scenario.name.replace("_", " ")
-        about = self.flight.scenario.description or "Flight simulated in six degrees of freedom"
-        self._block([(name[:1].upper() + name[1:], 84, "DejaVuSans-Bold", _WHITE)], [about], shown)
+        """Write description and name of the scenario."""
+        scenario = self.flight.scenario
+        words = scenario.description or scenario.name.replace("_", " ")
+        head = [(line, 54, "DejaVuSans-Bold", _WHITE) for line in wrap(words[:1].upper() + words[1:], 48)]
+        self._block(head, [f"Scenario {scenario.name}, simulated in six degrees of freedom"], shown)
 
     def _credits(self, shown: float) -> None:
         """Write outcome, scenario and program."""
