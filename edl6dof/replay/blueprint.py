@@ -74,7 +74,7 @@ class Layout:
         last = max((float(flight.t[-1]) for flight in flights if len(flight.t)), default=1.0)
         self.span = (float(motion.t[0]), last) if drawable else (0.0, 1.0)
         self.spans = pages.spans_of(self.span, self.flight.when)
-        self.plots = {plot.key: plot for plot in shown(self.flight)}
+        self.plots = {plot.key: plot for plot in shown(self.flight, len(self.labels) > 1)}
         every = {"Flight": self.span, **self.spans}
         self.plotted = self.labels if len(self.labels) > 1 else ("",)
         self.frames = frames(flights, every, self.plotted)

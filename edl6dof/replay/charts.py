@@ -20,7 +20,7 @@ import numpy as np
 from edl6dof.replay.history import History, thin, vector
 from edl6dof.replay.pages import NAVIGATION, OF_JETS, PAGES, SHARES, plot_columns
 from edl6dof.replay.recorder import SLOW_HZ, Recorder
-from edl6dof.report.catalogue import Plot
+from edl6dof.report.catalogue import ALTITUDE, Plot
 from edl6dof.report.flight.phase_planes import zones_of
 from edl6dof.report.palette import BLUE, GREEN, ORANGE, VERMILION, rgb
 from edl6dof.telemetry.thinning import rows_to_draw
@@ -60,13 +60,13 @@ class Charts(Recorder):
 
     def statics(self) -> None:
         """Write names and colours of the series."""
-        for plot in shown(self.flight):
+        for plot in shown(self.flight, bool(self.label)):
             lines = [(name, colour) for name, colour, _ in plot.lines]
             self.static(self._entity(plot.key), self._lines(lines))
 
     def motions(self) -> None:
         """Write each series over the time in which it is valid."""
-        for plot in shown(self.flight):
+        for plot in shown(self.flight, bool(self.label)):
             t, curves = drawn(plot, self.flight)
             if len(t):
                 rows = rows_to_draw(t, curves, MOST)
@@ -94,10 +94,14 @@ class Charts(Recorder):
         self.columns(self._entity(entity), t, columns.partition(np.full(len(t), values.shape[1])))
 
 
-def shown(flight: History) -> list[Plot]:
-    """Return the plots for which a flight has data."""
+def shown(flight: History, one_of_several: bool = False) -> list[Plot]:
+    """Return the plots for which a flight has data; of several flights, one height: there is no room for the
+    legend of more.
+    """
     pages = [plots for page, plots in PAGES.items() if flight.jets or page not in OF_JETS]
     own = {plot.key: plot for plots in pages for plot in plots}
+    if one_of_several:
+        own[ALTITUDE.key] = own[ALTITUDE.key]._replace(curves={"truth.height_m": "above the ground"})
     return [found for plot in own.values() if (found := plot.shown(flight.series)) is not None]
 
 
@@ -178,7 +182,7 @@ def frames(
 ) -> dict[tuple[str, str], Frame]:
     """Return the frame of each plot, by page and key, in the time (s) of the page; ``labels``: of flights."""
     found = {}
-    plots = [{plot.key: plot for plot in shown(flight)} for flight in flights]
+    plots = [{plot.key: plot for plot in shown(flight, len(flights) > 1)} for flight in flights]
     for page, (first, last) in spans.items():
         keys = [plot.key for plot in PAGES[page] if plot.key in plots[0]]
         for key in keys:

@@ -100,19 +100,33 @@ class Plot(NamedTuple):
 
     def shown(self, columns: Mapping[str, np.ndarray]) -> Plot | None:
         """Return the plot with those of its channels that ``columns`` has; of commands and estimates only
-        those with a signal.
+        those with a signal, of equal true quantities only the first.
 
         ``None`` if no channel has a signal.
         """
         there = {channel: name for channel, name in self.curves.items() if channel in columns}
         heard = {channel for channel in there if has_signal(columns[channel])}
-        kept = {c: name for c, name in there.items() if c in heard or c.startswith("truth.")}
+        kept = dict[str, str]()
+        for channel, name in there.items():
+            if not channel.startswith("truth."):
+                new = channel in heard
+            else:
+                new = not any(
+                    one.startswith("truth.") and equal(columns[one], columns[channel]) for one in kept
+                )
+            if new:
+                kept[channel] = name
         return self._replace(curves=kept) if heard else None
 
 
 def has_signal(values: np.ndarray) -> bool:
     """Return True if any value is neither zero nor NaN."""
     return bool(np.any(np.nan_to_num(values) != 0.0))
+
+
+def equal(first: np.ndarray, second: np.ndarray) -> bool:
+    """Return True if two curves cannot be told apart in a plot."""
+    return bool(np.allclose(first, second, rtol=0.0, atol=1e-6 * np.nanmax(np.abs(first)), equal_nan=True))
 
 
 def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:
@@ -227,7 +241,8 @@ _TRUE_AXES = "Estimated less true, in the axes of the true place."
 _GROUND = "Estimated less true: height above the ground below, and velocity relative to it."
 
 OVERVIEW = Stack("overview", "The whole flight", (ALTITUDE, SPEED, PRESSURE, LOAD, HEAT),
-    "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below.", 150,
+    "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below; "
+    "equal ones are one curve.", 150,
     until="end")
 NEAR_GROUND = Stack("near_ground", "The last 4 km", (ALTITUDE,),
     "From 4 km above the ground, where the three heights differ visibly.", 240, ("mortar",),

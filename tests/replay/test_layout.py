@@ -74,6 +74,12 @@ def test_axes_fit_their_curves_and_no_legend_covers_one(flight, layout):
         assert not np.any(level[beside]), (page, key, frame)
 
 
+def test_the_heights_of_several_flights_have_a_short_legend(flight):
+    alone, among = ({plot.key: plot for plot in shown(flight, several)} for several in (False, True))
+    assert len(legend(alone["altitude"], "")) > 1 == len(legend(among["altitude"], "one"))
+    assert alone.keys() == among.keys()
+
+
 @pytest.mark.parametrize("whole", [(0.0, 4.8), (-3.0, 100.0), (7.9, 8.1), (-1.0, -0.2)])
 @pytest.mark.parametrize("height", [0.2, 0.6])
 def test_an_axis_is_extended_where_every_corner_is_taken(whole, height):

@@ -63,3 +63,15 @@ def test_a_plot_of_the_catalogue_can_be_asked_for_by_its_key():
     columns = {name: np.ones(3) for name in CHANNEL}
     assert chosen(columns, ["bank_deg"], "run") == ["truth.bank_deg", "guide.bank_deg"]
     assert chosen(columns, ["truth.mach", "engine_thrust"], "run")[0] == "truth.mach"
+
+
+def test_equal_true_quantities_are_one_curve_but_an_estimate_is_drawn_beside_the_truth():
+    """On a round planet without relief the three heights are one."""
+    height = np.linspace(1e5, 0.0, 50)
+    columns = dict.fromkeys(catalogue.ALTITUDE.curves, height)
+    assert list(catalogue.ALTITUDE.shown(columns).curves.values()) == ["above the ellipsoid"]
+    columns["truth.height_m"] = height + 100.0
+    names = list(catalogue.ALTITUDE.shown(columns).curves.values())
+    assert names == ["above the ellipsoid", "above the ground"]
+    estimated = Plot("k", "height", {"truth.height_m": "true", "nav.height_m": "estimated"})
+    assert len(estimated.shown({"truth.height_m": height, "nav.height_m": height}).curves) == 2
