@@ -108,13 +108,9 @@ class Plot(NamedTuple):
         heard = {channel for channel in there if has_signal(columns[channel])}
         kept = dict[str, str]()
         for channel, name in there.items():
-            if not channel.startswith("truth."):
-                new = channel in heard
-            else:
-                new = not any(
-                    one.startswith("truth.") and equal(columns[one], columns[channel]) for one in kept
-                )
-            if new:
+            true = channel.startswith("truth.")
+            known = (columns[one] for one in kept if one.startswith("truth."))
+            if channel in heard and not true or true and not any(equal(columns[channel], k) for k in known):
                 kept[channel] = name
         return self._replace(curves=kept) if heard else None
 
@@ -126,7 +122,8 @@ def has_signal(values: np.ndarray) -> bool:
 
 def equal(first: np.ndarray, second: np.ndarray) -> bool:
     """Return True if two curves cannot be told apart in a plot."""
-    return bool(np.allclose(first, second, rtol=0.0, atol=1e-6 * np.nanmax(np.abs(first)), equal_nan=True))
+    size = np.abs(first[np.isfinite(first)]).max(initial=0.0)
+    return bool(np.allclose(first, second, rtol=0.0, atol=1e-6 * size, equal_nan=True))
 
 
 def _axes(channel: str, names: str, letters: str = "") -> dict[str, str]:

@@ -75,3 +75,6 @@ def test_equal_true_quantities_are_one_curve_but_an_estimate_is_drawn_beside_the
     assert names == ["above the ellipsoid", "above the ground"]
     estimated = Plot("k", "height", {"truth.height_m": "true", "nav.height_m": "estimated"})
     assert len(estimated.shown({"truth.height_m": height, "nav.height_m": height}).curves) == 2
+    missing = dict.fromkeys(catalogue.ALTITUDE.curves, np.full(50, np.nan))
+    assert catalogue.ALTITUDE.shown(missing) is None
+    assert catalogue.ALTITUDE.shown(dict.fromkeys(missing, np.empty(0))) is None
