@@ -1,4 +1,4 @@
-"""What any guidance law could reach: the entry with the highest parachute, or the nearest to the aim point, by
+"""What any law could reach: the entry with the highest parachute, or the nearest to the aim point, by
 a sequence of conic programs.
 
 The control is the lift vector across the flow, up and to the right, in units of the lift; it is linear in
@@ -65,6 +65,17 @@ class Reach:
 
 
 @kernel
+def from_aim(onboard, here, there):
+    """Distances (m) of ``there`` beyond the aim point and right of the course to it from ``here``; both unit
+    vectors (F).
+    """
+    target, radius = aim_direction(onboard), onboard.planet.equatorial_radius
+    ahead = unit(sub(target, scale(dot(target, here), here)))
+    beyond = atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here))
+    return radius * beyond, radius * asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
+
+
+@kernel
 def fly_lift(onboard, start, lowest, lifts, end):
     """Fly from ``start`` (position in m and planet-relative velocity in m/s, F, shape (6,)) with the lift
     vector ``lifts`` (shape (knots, 2)), whose knots are evenly spaced in speed from ``lowest`` to that of the
@@ -75,8 +86,7 @@ def fly_lift(onboard, start, lowest, lifts, end):
     """
     planet, entry = onboard.planet, onboard.guidance.entry
     r, v = take3(start, 0), take3(start, 3)
-    here, target = unit(r), aim_direction(onboard)
-    ahead = unit(sub(target, scale(dot(target, here), here)))
+    here = unit(r)
     spacing = (norm(v) - lowest) / (lifts.shape[0] - 1)
     r_old, excess, excess_old = r, 0.0, 0.0
     for _ in range(MAX_STEPS):
@@ -100,9 +110,7 @@ def fly_lift(onboard, start, lowest, lifts, end):
             r[1] + back * (r_old[1] - r[1]),
             r[2] + back * (r_old[2] - r[2]),
         )
-    there, radius = unit(r), planet.equatorial_radius
-    end[0] = radius * (atan2(dot(there, ahead), dot(there, here)) - atan2(dot(target, ahead), dot(target, here)))
-    end[1] = radius * asin(clamp(dot(there, cross(ahead, here)), -1.0, 1.0))
+    end[0], end[1] = from_aim(onboard, here, unit(r))
     end[2] = height_above_ellipsoid(planet, r)
 
 
@@ -162,12 +170,17 @@ def best(onboard: np.void, start: np.ndarray) -> Reach:
         start: position (m) and planet-relative velocity (m/s) in F, shape (6,).
     """
     entry = Entry(onboard, start)
-    lifts = np.tile([0.5, 0.0], (KNOTS, 1))
-    for worth in (1.0, 0.0):
-        lifts, end = _improved(entry, lifts, PRICE, worth)
-        if np.hypot(*end[:2]) <= MET:
-            break
+    lifts, end = _improved(entry, _even(0.0), PRICE, 1.0)
+    if np.hypot(*end[:2]) > MET:
+        # without lift to a side the end has no slope by its size: begin with lift to either side too
+        found = [_improved(entry, first, PRICE, 0.0) for first in (lifts, _even(0.5), _even(-0.5))]
+        lifts, end = min(found, key=lambda one: float(np.hypot(*one[1][:2])))
     return Reach(lifts, *(float(value) for value in end))
+
+
+def _even(right: float) -> np.ndarray:
+    """A first lift vector: half the lift up, and a share of it to the right, at all knots."""
+    return np.tile([0.5, right], (KNOTS, 1))
 
 
 def _improved(entry: Entry, lifts: np.ndarray, price: float, worth: float) -> tuple[np.ndarray, np.ndarray]:
