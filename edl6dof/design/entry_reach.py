@@ -1,4 +1,4 @@
-"""What any law could reach: the entry with the highest parachute, or the nearest to the aim point, by
+"""Reach of any entry law: the entry with the highest parachute, or the nearest to the aim point, by
 a sequence of conic programs.
 
 The control is the lift vector across the flow, up and to the right, in units of the lift; it is linear in
