@@ -213,14 +213,14 @@ def less_lift(scenario: Scenario, truth: Values) -> Values:
     return {path: truth.get(path, nominal) - nominal / 6.0}
 
 
-def wind(turn_deg: float) -> Change:
+def wind(turn_deg: float, speed: float = _WIND_M_S) -> Change:
     """The same wind at all altitudes, which the flight computer does not expect: it blows towards the course
-    of the entry plus an angle.
+    of the entry plus an angle, at ``speed`` (m/s).
     """
 
     def change(scenario: Scenario, truth: Values) -> Values:
         towards = radians(value_at(scenario, "initial.azimuth_deg") + turn_deg)
-        north, east = _WIND_M_S * cos(towards), _WIND_M_S * sin(towards)
+        north, east = speed * cos(towards), speed * sin(towards)
         return {"wind.model": "constant", "wind.constant.north_m_s": north, "wind.constant.east_m_s": east}
 
     return change
