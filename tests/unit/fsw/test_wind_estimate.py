@@ -79,7 +79,7 @@ def pressures(flow):
 
 
 def with_ports(record):
-    record["n_ports"], record["port_bias"] = len(NORMALS), 10.0
+    record["n_ports"], record["port_bias"] = len(NORMALS), 1.0
     record["port_axis"][: len(NORMALS)] = NORMALS
     return record
 
@@ -87,11 +87,11 @@ def with_ports(record):
 @pytest.mark.parametrize("flow", [(0.0, 0.0), (0.05, -0.12), (-0.02, 0.3)])
 @pytest.mark.parametrize("static", [STATIC, 0.7 * STATIC])
 def test_ports_show_the_flow(flow, static):
-    """From a prediction 3 deg off; 30 % of error of the static pressure is hardly seen."""
+    """From a prediction 3 deg off; 30 % of error of the static pressure adds 0.2 deg at 17 deg."""
     instruments = with_ports(np.zeros(1, INSTRUMENTS)[0])
     predicted = 1.0, flow[0] + 0.05, flow[1] - 0.05
     shown, variance, most = flow_at_ports(instruments, pressures(flow), static, predicted)
-    assert shown == pytest.approx(flow, abs=1e-5 if static == STATIC else 2e-3)
+    assert shown == pytest.approx(flow, abs=1e-5 if static == STATIC else 4e-3)
     assert most == pytest.approx(pressures(flow).max())
     rng = np.random.default_rng(1)
     off = [
