@@ -39,7 +39,16 @@ from edl6dof.fsw.diagnosis.hypotheses import (
     forget,
 )
 from edl6dof.fsw.diagnosis.openings import changes, expected_evidence
-from edl6dof.fsw.diagnosis.residual import PLANES, TAPS, WINDOW, add_response, fires_mostly, is_settled
+from edl6dof.fsw.diagnosis.residual import (
+    AXES,
+    PLANES,
+    TAPS,
+    WINDOW,
+    add_response,
+    decorrelate,
+    fires_mostly,
+    is_settled,
+)
 from edl6dof.interface.capacities import MAX_BRANCHES, MAX_THRUSTERS
 from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
@@ -52,7 +61,7 @@ MIXED, LOOK = 1, 3
 PATIENCE = 25  # cycles in which a thruster in use may respond before its branch is closed to verify it
 FEW_LOOKS = 2  # a branch is closed to verify it only if so many looks are expected to decide
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
-MOST_LOOKS = 20  # looks after which the most probable thruster is isolated in any case
+MOST_LOOKS = 20  # looks after which a leak that a meter shows is named, and any other suspicion dropped
 
 LEAK = record(
     ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
@@ -160,11 +169,38 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
 
 
 @kernel
+def open_share(signals, cycles, memory):
+    """Return the share of the cycle number ``cycles`` after the latch valve has moved in which it is open."""
+    moved = min(max(cycles - signals.lag / signals.dt, 0.0), 1.0)
+    return moved if memory.open != 0 else 1.0 - moved
+
+
+@kernel
+def presume_leak(signals, residual, memory):
+    """Keep the leak of the best candidate out of the noise model of the next cycle, if there is evidence for
+    it: the movements of the latch valve would make the noise grow.
+    """
+    i = memory.best
+    if memory.found[i] <= 0.0:
+        return
+    now, effectiveness = residual.taken - 1, signals.effectiveness[i]
+    level = open_share(signals, memory.cycles + 1, memory)
+    residual.signature[:] = 0.0
+    add_response(level, 0, effectiveness, residual)
+    for j in range(1, TAPS):
+        add_response(memory.level[(now + 1 - j) % TAPS], j, effectiveness, residual)
+    decorrelate(residual.signature, residual)
+    moved = level - memory.level[now % TAPS]
+    for c in range(AXES):
+        residual.presumed[0, c] = memory.size[i] * moved * effectiveness[c + 1]
+        residual.presumed[1, c] = memory.size[i] * residual.signature[c]
+
+
+@kernel
 def add_cycle(signals, residual, memory):
     """Add a cycle to the evidence that each candidate leaks, unless an event has just changed the forces."""
     newest, count = residual.taken - 1, signals.vehicle.n_thrusters
-    moved = min(max(memory.cycles - signals.lag / signals.dt, 0.0), 1.0)
-    memory.level[newest % TAPS] = moved if memory.open != 0 else 1.0 - moved
+    memory.level[newest % TAPS] = open_share(signals, memory.cycles, memory)
     for i in range(count if is_settled(residual) else 0):
         if memory.candidate[i] != 0:
             residual.signature[:] = 0.0
@@ -209,6 +245,18 @@ def most_probable(params, count, memory):
 
 
 @kernel
+def is_in_vain(params, signals, residual, most, memory):
+    """Return whether further looks without a meter are not expected to decide: after ``MOST_LOOKS``, or when
+    the disturbance has become too large for a suspicion that no look has confirmed (``most``: evidence for
+    the best candidate). Its thrusters stay unverified.
+    """
+    if most > 0.0:
+        return memory.looks >= 2 * MOST_LOOKS
+    unsuspected = memory.doubt > 0.0 and not would_decide(params, signals, residual, memory.branch)
+    return unsuspected or memory.looks >= MOST_LOOKS
+
+
+@kernel
 def step_leak_isolation(params, signals, flow, residual, memory):
     """Run one control cycle of leak isolation. Returns the result (``UNDER_WAY`` until it is decided) and its
     confidence.
@@ -240,10 +288,10 @@ def step_leak_isolation(params, signals, flow, residual, memory):
                 if memory.candidate[i] != 0:
                     memory.unverified[i] = 0
             return HEALTHY, confidence
-        least = LEAST_LOOKS - memory.metered
-        if memory.looks >= least and confidence >= params.confidence or memory.looks >= MOST_LOOKS:
-            if memory.metered == 0 and confidence < params.confidence:
-                return HEALTHY, confidence
+        sure, least = confidence >= params.confidence, LEAST_LOOKS - memory.metered
+        if memory.metered == 0 and not sure and is_in_vain(params, signals, residual, most, memory):
+            return HEALTHY, confidence
+        if sure and memory.looks >= least or memory.metered != 0 and memory.looks >= MOST_LOOKS:
             memory.open = 0
             memory.latch_closed[b] = 1
             return NAMED, confidence
@@ -251,6 +299,7 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         memory.open = 1 - memory.open
         memory.latch_closed[b] = 1 - memory.open
         memory.flow, memory.cycles = 0.0, 0
+    presume_leak(signals, residual, memory)
     return UNDER_WAY, 0.0
 
 

@@ -70,6 +70,7 @@ RESIDUAL = record(
     ("weight", "f8", (WINDOW, AXES)),  # 1/N2, 1/(N m)2: inverse variances of these
     ("square", "f8", (WINDOW, PLANES)),  # weighted sums of squares of these
     ("signature", "f8", (AXES,)),  # N, N m: innovation that a fault predicts
+    ("presumed", "f8", (2, AXES)),  # N, N m: change and innovation of the next cycle by a presumed leak
     ("product", "f8", (2, PLANES)),  # weighted products of innovation and signature, and of the latter
 )
 
@@ -137,10 +138,12 @@ def decorrelate(values, memory):
 
 @kernel
 def update_regression(params, new, memory):
-    """Add the latest innovation to the regression of lateral torques on lateral forces."""
+    """Add the latest innovation, without that of a presumed leak, to the regression of lateral torques on
+    lateral forces.
+    """
     for k in range(2):
         least, own = least_noise(params, 1 - k), least_noise(params, 3 + k)
-        left = limit(memory.value[new, 3 + k], memory.left[k], own)
+        left = limit(memory.value[new, 3 + k] - memory.presumed[1, 3 + k], memory.left[k], own)
         memory.left[k] += (left * left - memory.left[k]) / MEMORY
         memory.joint[k] += (memory.limited[3 + k] * memory.limited[1 - k] - memory.joint[k]) / MEMORY
         memory.slope[k] = memory.joint[k] / (memory.variance[1 - k] + least * least)
@@ -148,15 +151,15 @@ def update_regression(params, new, memory):
 
 @kernel
 def update_statistics(c, least, memory):
-    """Add the latest change of component ``c``, its innovation limited, to the ring and to the variance of
-    the innovation, and the change ``DELAY`` cycles ago to the covariances; ``least``: smallest standard
-    deviation of the innovation.
+    """Add the latest change of component ``c`` without a presumed leak, its innovation limited, to the ring
+    and to the variance of the innovation, and the change ``DELAY`` cycles ago to the covariances; ``least``:
+    smallest standard deviation of the innovation.
     """
     size, k = DELAY + ORDER + 1, memory.taken
     usual = 0.0
     for j in range(ORDER):
         usual += memory.predictor[c, j] * memory.usual[(k - 1 - j) % size, c]
-    limited = limit(memory.change[0, c] - usual, memory.variance[c], least)
+    limited = limit(memory.change[0, c] - memory.presumed[0, c] - usual, memory.variance[c], least)
     memory.limited[c] = limited
     memory.variance[c] += (limited * limited - memory.variance[c]) / MEMORY
     memory.usual[k % size, c] = usual + limited
@@ -206,6 +209,7 @@ def whiten(params, unexplained, activity, count, memory):
         update_statistics(c, least, memory)
     update_regression(params, new, memory)
     update_filter(k % AXES, memory)
+    memory.presumed[:] = 0.0
     memory.taken += 1
     memory.settled += 1
 
