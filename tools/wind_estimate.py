@@ -47,7 +47,9 @@ def main() -> int:
     parser.add_argument("--flights", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=7301)
     parser.add_argument("--mission", default="tianwen1", help="scenario; its campaign has the suffix _mc")
-    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="as edl6dof fly --set")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="PATH=VALUE", help="as edl6dof fly --set"
+    )
     given = parser.parse_args()
     loaded, cases = edl6dof.load(given.mission, [*AIR, *given.set]), []
     for k, case in enumerate(load_plan(f"{given.mission}_mc", seed=given.seed).cases(0, given.flights)):
