@@ -63,6 +63,8 @@ FEW_LOOKS = 2  # a branch is closed to verify it only if so many looks are expec
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which a leak that a meter shows is named, and any other suspicion dropped
 
+SUPPORT = 1.0  # evidence for a leak that chance does not give in a large disturbance
+
 LEAK = record(
     ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
     ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
@@ -250,7 +252,7 @@ def is_in_vain(params, signals, residual, most, memory):
     the disturbance has become too large for a suspicion that no look has confirmed (``most``: evidence for
     the best candidate). Its thrusters stay unverified.
     """
-    if most > 0.0:
+    if most > SUPPORT:
         return memory.looks >= 2 * MOST_LOOKS
     unsuspected = memory.doubt > 0.0 and not would_decide(params, signals, residual, memory.branch)
     return unsuspected or memory.looks >= MOST_LOOKS

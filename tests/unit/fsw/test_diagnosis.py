@@ -492,6 +492,48 @@ def test_without_meters_no_branch_is_closed_whose_thrusters_all_fire(watch_of):
         assert watch.found == ([("A2", "stuck on")] if fault else [])
 
 
+def shaken(watch, number, cycles, size):
+    """A leak that begins now, without meters, in a white disturbance of ``size`` (N, N m); the largest
+    variance of the innovation while the latch valve is moved, over that before, for each component.
+    """
+    before, most, looks = watch.memory["residual"]["variance"][0].copy(), np.zeros(5), 0
+    for _ in range(cycles):
+        air = size * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1]
+        watch.cycle((number, "stuck on", 0.0), use=0.0, disturbance=air)
+        if watch.memory["leak"]["branch"][0] == watch.branch[number]:
+            most = np.maximum(most, watch.memory["residual"]["variance"][0])
+            looks = max(looks, int(watch.memory["leak"]["looks"][0]))
+    return most / before, looks
+
+
+@pytest.mark.parametrize("name", ["P2", "D6"])
+def test_a_suspected_leak_is_no_noise(watch_of, name):
+    """What follows the latch valve does not enter the variance: if it did, 19 looks would not decide."""
+    watch, number = watch_of(3, metered=False, prior=60.0), NAMES.index(name)
+    for _ in range(300):
+        watch.cycle(use=0.0, disturbance=40.0 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1])
+    grown, looks = shaken(watch, number, 250, 40.0)
+    assert watch.found == [(name, "stuck on")] and looks == 3
+    assert np.all(grown < 2.5)
+
+
+def test_a_look_that_would_not_decide_ends(watch_of):
+    """A branch is closed to verify it after a jerk; then the air shakes the vehicle."""
+    watch, spell, longest = watch_of(7, metered=False), 0, 0
+    jerk = np.array([0.0, 300.0, 300.0, 0.0, 900.0, -900.0])
+    for _ in range(100):
+        watch.cycle()
+    for k in range(150):
+        watch.cycle(use=0.0, disturbance=jerk * (-0.9) ** k if k < 60 else 0.0)
+        if watch.memory["leak"]["branch"][0] != NONE:
+            break
+    for _ in range(300):
+        watch.cycle(use=0.0, disturbance=2000.0 * watch.rng.normal(size=6) * [0, 1, 1, 0.1, 1, 1])
+        spell = spell + 1 if watch.memory["leak"]["branch"][0] != NONE else 0
+        longest = max(longest, spell)
+    assert watch.found == [] and 0 < longest < 40
+
+
 def test_of_two_that_fire_against_each_other_only_the_dead_one_is_named(watch_of):
     """The meter of their branch cannot tell them apart: each is doubtful, and tried alone."""
     for i in range(len(NAMES)):
