@@ -3,7 +3,7 @@
     python tools/entry_reach.py tianwen1 [--entries 100] [--seed 4402] [--wind 40] [--laws fnpeg etpc]
 
 The first law's flight of an entry gives its true air, wind, drag, lift and state as lift control starts;
-:mod:`edl6dof.design.entry_reach` finds the nearest and the highest end in them.  With ``--wind`` (m/s) an
+:mod:`entry_optimum` finds the nearest and the highest end in them.  With ``--wind`` (m/s) an
 unexpected constant wind blows, entry after entry, from eight directions.  An entry counts as reachable if the
 nearest end of the best lift is within the distance of the target: 2.5 km, with wind 3 km.
 """
@@ -13,10 +13,12 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
+from entry_laws import bounded
+from entry_optimum import Entry, best, from_aim
 
 from edl6dof import Case, fly_rows
 from edl6dof.campaign.executor import Row
-from edl6dof.design.entry_reach import Entry, best, from_aim
+from edl6dof.campaign.statistics import Proportion
 from edl6dof.fsw.guidance.entry.airframe import mach_nodes
 from edl6dof.fsw.guidance.entry.predictor import acceleration, fixed_state, velocity_in_air
 from edl6dof.fsw.navigation.derived import NAV
@@ -138,12 +140,14 @@ def summary(rows: list[Row], nearest: np.ndarray, limit: float) -> list[str]:
     """Cells of a law."""
     miss, reachable = misses(rows), nearest <= limit
     height = column(rows, "parachute_altitude_m") / 1e3
+    reached = Proportion.of(list(miss[reachable] <= limit))
+    low, high = reached.interval
     return [
-        f"{np.median(miss):.2f}",
-        f"{np.quantile(miss, 0.95, method='higher'):.2f}",
+        bounded(miss, 0.5),
+        bounded(miss, 0.95),
         f"{miss.max():.2f}",
         f"{100.0 * np.mean(miss <= limit):.0f}",
-        f"{100.0 * np.mean(miss[reachable] <= limit):.1f}",
+        f"{100.0 * reached.value:.1f} ({100.0 * low:.1f} to {100.0 * high:.1f})",
         f"{np.nanmin(height):.1f}",
         f"{percentage(row['success'] for row in rows):.0f}",
     ]

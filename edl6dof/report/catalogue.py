@@ -121,7 +121,7 @@ def has_signal(values: np.ndarray) -> bool:
 
 
 def equal(first: np.ndarray, second: np.ndarray) -> bool:
-    """Return True if two curves cannot be told apart in a plot."""
+    """Return True if two curves differ by less than a plot can show."""
     size = np.abs(first[np.isfinite(first)]).max(initial=0.0)
     return bool(np.allclose(first, second, rtol=0.0, atol=1e-6 * size, equal_nan=True))
 
@@ -239,7 +239,7 @@ _GROUND = "Estimated less true: height above the ground below, and velocity rela
 
 OVERVIEW = Stack("overview", "The whole flight", (ALTITUDE, SPEED, PRESSURE, LOAD, HEAT),
     "Heights have three zeros: the ellipsoid, the areoid (from which maps count), and the ground below; "
-    "equal ones are one curve.", 150,
+    "equal heights are drawn once.", 150,
     until="end")
 NEAR_GROUND = Stack("near_ground", "The last 4 km", (ALTITUDE,),
     "From 4 km above the ground, where the three heights differ visibly.", 240, ("mortar",),

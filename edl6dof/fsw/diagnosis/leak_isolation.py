@@ -62,8 +62,7 @@ PATIENCE = 25  # cycles in which a thruster in use may respond before its branch
 FEW_LOOKS = 2  # a branch is closed to verify it only if so many looks are expected to decide
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which a leak that a meter shows is named, and any other suspicion dropped
-
-SUPPORT = 1.0  # evidence for a leak that chance does not give in a large disturbance
+SUPPORT = 1.0  # evidence of looks above which they support a leak; in a large disturbance chance gives less
 
 LEAK = record(
     ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
@@ -178,6 +177,16 @@ def open_share(signals, cycles, memory):
 
 
 @kernel
+def predict_leak(cycle, effectiveness, residual, memory):
+    """Write the innovation that a leak at full thrust causes in a cycle into ``residual.signature``;
+    ``effectiveness``: force and torque of the thruster (6; N, N m).
+    """
+    residual.signature[:] = 0.0
+    for j in range(TAPS):
+        add_response(memory.level[(cycle - j) % TAPS], j, effectiveness, residual)
+
+
+@kernel
 def presume_leak(signals, residual, memory):
     """Keep the leak of the best candidate out of the noise model of the next cycle, if there is evidence for
     it: the movements of the latch valve would make the noise grow.
@@ -185,14 +194,11 @@ def presume_leak(signals, residual, memory):
     i = memory.best
     if memory.found[i] <= 0.0:
         return
-    now, effectiveness = residual.taken - 1, signals.effectiveness[i]
-    level = open_share(signals, memory.cycles + 1, memory)
-    residual.signature[:] = 0.0
-    add_response(level, 0, effectiveness, residual)
-    for j in range(1, TAPS):
-        add_response(memory.level[(now + 1 - j) % TAPS], j, effectiveness, residual)
+    coming, effectiveness = residual.taken, signals.effectiveness[i]
+    memory.level[coming % TAPS] = open_share(signals, memory.cycles + 1, memory)
+    predict_leak(coming, effectiveness, residual, memory)
     decorrelate(residual.signature, residual)
-    moved = level - memory.level[now % TAPS]
+    moved = memory.level[coming % TAPS] - memory.level[(coming - 1) % TAPS]
     for c in range(AXES):
         residual.presumed[0, c] = memory.size[i] * moved * effectiveness[c + 1]
         residual.presumed[1, c] = memory.size[i] * residual.signature[c]
@@ -205,10 +211,7 @@ def add_cycle(signals, residual, memory):
     memory.level[newest % TAPS] = open_share(signals, memory.cycles, memory)
     for i in range(count if is_settled(residual) else 0):
         if memory.candidate[i] != 0:
-            residual.signature[:] = 0.0
-            for j in range(TAPS):
-                level = memory.level[(newest - j) % TAPS]
-                add_response(level, j, signals.effectiveness[i], residual)
+            predict_leak(newest, signals.effectiveness[i], residual, memory)
             add_innovation(memory.sums[i], 1.0, residual)
 
 
@@ -248,14 +251,14 @@ def most_probable(params, count, memory):
 
 @kernel
 def is_in_vain(params, signals, residual, most, memory):
-    """Return whether further looks without a meter are not expected to decide: after ``MOST_LOOKS``, or when
-    the disturbance has become too large for a suspicion that no look has confirmed (``most``: evidence for
-    the best candidate). Its thrusters stay unverified.
+    """Return whether to stop without a decision, where no meter shows the leak: when the disturbance has
+    become too large for a suspicion that the looks do not support, or after many looks. ``most``: evidence
+    for the best candidate. The thrusters of the branch stay unverified.
     """
     if most > SUPPORT:
         return memory.looks >= 2 * MOST_LOOKS
-    unsuspected = memory.doubt > 0.0 and not would_decide(params, signals, residual, memory.branch)
-    return unsuspected or memory.looks >= MOST_LOOKS
+    too_noisy = memory.doubt > 0.0 and not would_decide(params, signals, residual, memory.branch)
+    return too_noisy or memory.looks >= MOST_LOOKS
 
 
 @kernel

@@ -57,8 +57,8 @@ def smooth(picture: np.ndarray) -> None:
     ring = np.stack([n, s, w, e, middle])
     detail = np.clip((around / np.ptp(ring, axis=0) - _DETAIL) / (1.0 - _DETAIL), 0.0, 1.0)
     shift = np.maximum(shift, _BLEND * (detail**2 * (3.0 - 2.0 * detail)) ** 2)[:, None]
-    own, beside = colours[at].astype(np.float32), colours[at + across]
-    colours[at] = own + shift * (beside - own)
+    own, other = colours[at].astype(np.float32), colours[at + across]
+    colours[at] = own + shift * (other - own)
 
 
 def _edges(bright: np.ndarray) -> np.ndarray:
@@ -68,9 +68,9 @@ def _edges(bright: np.ndarray) -> np.ndarray:
     middle, size = flat[width:-width], flat.size - 2 * width
     high, low = middle.copy(), middle.copy()
     for start in (0, 2 * width, width - 1, width + 1):
-        beside = flat[start : start + size]
-        np.maximum(high, beside, out=high)
-        np.minimum(low, beside, out=low)
+        corner = flat[start : start + size]
+        np.maximum(high, corner, out=high)
+        np.minimum(low, corner, out=low)
     edge = high - low > np.maximum(high // _RELATIVE, _CONTRAST)
     edge = edge.reshape(-1, width)
     edge[:, [0, -1]] = False

@@ -2,13 +2,13 @@
 
 import json
 
+import entry_optimum
 import numpy as np
 import pytest
+from entry_optimum import KNOTS, MET, Entry, best
 from scipy.optimize import minimize
 
 import edl6dof
-from edl6dof.design import entry_reach
-from edl6dof.design.entry_reach import KNOTS, MET, Entry, best
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_onboard
 from edl6dof.scenario.schema import start_of
@@ -66,7 +66,7 @@ def test_wrong_slope_of_the_altitude_is_found(monkeypatch):
     true = highest_by_slsqp(entry, FIRST["msl"])
     right = Entry.slopes
     monkeypatch.setattr(
-        entry_reach.Entry, "slopes", lambda self, lifts: right(self, lifts) * [[1.0], [1.0], [0.0]]
+        entry_optimum.Entry, "slopes", lambda self, lifts: right(self, lifts) * [[1.0], [1.0], [0.0]]
     )
     assert best(onboard[0], start).altitude_m < true - 200.0
 
@@ -114,6 +114,6 @@ def test_nearest_end_is_that_of_the_simulator():
     lat, lon = place
     there = (np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat))
     here = tuple(start[:3] / np.linalg.norm(start[:3]))
-    flown = np.array(entry_reach.from_aim(onboard[0], here, there))
+    flown = np.array(entry_optimum.from_aim(onboard[0], here, there))
     assert np.hypot(*(flown - (found.beyond_m, found.aside_m))) < 500.0
     assert flight.telemetry["truth.altitude_m"][-1] == pytest.approx(found.altitude_m, abs=150.0)
