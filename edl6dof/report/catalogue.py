@@ -109,7 +109,7 @@ class Plot(NamedTuple):
         kept = dict[str, str]()
         for channel, name in there.items():
             true = channel.startswith("truth.")
-            known = (columns[one] for one in kept if one.startswith("truth."))
+            known = (columns[one] for one in kept if one in heard and one.startswith("truth."))
             if channel in heard and not true or true and not any(equal(columns[channel], k) for k in known):
                 kept[channel] = name
         return self._replace(curves=kept) if heard else None
