@@ -84,6 +84,9 @@ class Stage:
         self.plotter: pyvista.Plotter = self.pv.Plotter(off_screen=True, window_size=size, lighting="none")
         self.plotter.set_background("black")
         self.plotter.disable_anti_aliasing()
+        self.plotter.renderer.SetUseOIT(
+            False
+        )  # it draws a second picture; layers of gas differ little in colour
         self.plotter.remove_all_lights()
         sun = 1e3 * motion.site.light
         self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.8))
@@ -182,9 +185,7 @@ class Stage:
         actor.texture.SetMaximumAnisotropicFiltering(1.0)
 
     def _thin_gas(self, view: View) -> None:
-        """Make gas transparent where the camera sees its surface edge on, and blend its layers exactly."""
-        shown = any(gas[0].visibility for gas in self._gas)
-        self.plotter.renderer.SetUseOIT(shown)  # a second picture, which flames alone do not need
+        """Make gas transparent where the camera sees its surface edge on."""
         for actor, data, places, normals, colours, opacity in self._gas:
             if actor.visibility:
                 matrix = np.asarray(actor.user_matrix)
