@@ -13,7 +13,6 @@ import numpy as np
 from edl6dof.child import python
 from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film.shots import View
-from edl6dof.replay.film.smooth import smooth
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.mesh import Mesh
@@ -121,7 +120,7 @@ class Stage:
         )
 
     def draw(self, view: View, height_m: float) -> np.ndarray:
-        """Return a picture of the scene, shape (height, width, 3), uint8; ``height_m``: of the vehicle."""
+        """Return the scene from the bottom up, shape (height, width, 3), uint8; ``height_m``: of the vehicle."""
         camera = self.plotter.camera
         camera.position, camera.focal_point, camera.up = view.eye, view.aim, view.up
         camera.view_angle = view.field_deg
@@ -135,9 +134,7 @@ class Stage:
         pixels = self.pv.convert_array(np.empty(0, np.uint8))
         width, height = self.size
         window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
-        picture = self.pv.convert_array(pixels).reshape(height, width, 3)
-        smooth(picture)
-        return np.asarray(picture[::-1])
+        return np.asarray(self.pv.convert_array(pixels).reshape(height, width, 3))
 
     def close(self) -> None:
         """Release the graphics."""
