@@ -120,7 +120,7 @@ class Stage:
         )
 
     def draw(self, view: View, height_m: float) -> np.ndarray:
-        """Return the scene from the bottom up, shape (height, width, 3), uint8; ``height_m``: of the vehicle."""
+        """Return the scene from the bottom up, shape (height, width, 3), uint8, seen from a height (m)."""
         camera = self.plotter.camera
         camera.position, camera.focal_point, camera.up = view.eye, view.aim, view.up
         camera.view_angle = view.field_deg
