@@ -123,7 +123,7 @@ def test_the_shipped_step_follows_line_stretch_beside_the_axis(angle_deg):
 
 
 def test_lines_that_become_slack_and_taut_leave_the_order_of_the_integrator():
-    """Fourth, once nothing else jumps: no oscillating area, and a canopy that fills for more than a second."""
+    """Fourth, once nothing else jumps: no oscillating area, a canopy that fills for more than a second."""
     smooth = f"{MAIN}.area_oscillation=0", f"{MAIN}.disk_gap_band.inflation_speed_m_s=10"
     coarse, middle, fine = (attitude_a_second_later(step, 45.0, *smooth) for step in (0.01, 0.005, 0.0025))
     assert 3.5 < np.log2(turned(coarse, middle) / turned(middle, fine)) < 4.5
