@@ -43,7 +43,7 @@ def encoding(program: str, target: Path, size: tuple[int, int], fps: float) -> I
     """
     words = [program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
     words += ["-s", f"{size[0]}x{size[1]}", "-framerate", f"{fps:g}", "-i", "-"]
-    words += ["-pix_fmt", "yuv420p", "-preset", "superfast", "-crf", "18"]
+    words += ["-pix_fmt", "yuv420p", "-preset", "veryfast", "-crf", "18"]
     words += ["-movflags", "+faststart", "-f", "mp4", str(target.resolve())]
     with TemporaryFile() as log:
         process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=log)
