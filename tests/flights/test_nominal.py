@@ -73,7 +73,7 @@ def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(no
     """S1 section 7: nearly 20 deg and nearly 15 deg/s, on the mean of neighbouring flights, two-sidedly.
 
     The bound is that of the mark "outside" of ``edl6dof validate``.  The mean rate of 72 neighbours,
-    11.5 deg/s, is 2.0 sigma below the published one: a bound of 2 would depend on the chance of twelve flights.
+    11.5 deg/s, is 2.0 sigma below the published one: with a bound of 2, chance would decide on twelve flights.
     """
     published = nominal.scenario.published
     means = sample_means(fly_neighbours(nominal.loaded, 12), published)
