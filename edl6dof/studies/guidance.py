@@ -61,7 +61,9 @@ _PER_CONDITION = 5
 #: Targets of this study: share of the best law's misses that must be within a distance (km), time of a call
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
-PREDICTORS = ("npc", "fnpeg")
+PREDICTORS = ("npc", "fnpeg", "stochastic_pc")
+#: Laws that plan their reversals themselves.
+OWN_REVERSALS = ("fnpeg", "stochastic_pc")
 REMARKS = (
     "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure "
     "and total angle of attack.",
@@ -153,7 +155,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     banks = [degrees(reference_bank(onboard, shift, v)) for v in speeds]
     points = [{"at": round(float(v), 3), "bank_deg": bank} for v, bank in zip(speeds, banks, strict=True)]
     own = [f"{ENTRY}.law={law}", f"{ENTRY}.bank_profile={json.dumps({'points': points})}"]
-    if law == "fnpeg":  # it plans its reversals itself
+    if law in OWN_REVERSALS:
         own.append(f"{ENTRY}.reversal.logic=own_sign")
     return vehicle.load("simulation.log_every=5", *own)
 

@@ -25,6 +25,7 @@ from edl6dof.fsw.guidance.entry.laws import (
     ftc_dob,
     npc,
     pd_dob,
+    stochastic_pc,
 )
 from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.kernels import kernel
@@ -46,6 +47,7 @@ ENTRY_LAWS = Family(
         ftc_dob.MEMBER,
         pd_dob.MEMBER,
         adaptive_hinf.MEMBER,
+        stochastic_pc.MEMBER,
     ),
 )
 
