@@ -15,11 +15,13 @@ J. Spacecraft and Rockets 51(4); this combination: derived.
 
 from __future__ import annotations
 
+from math import sqrt
+
 from edl6dof.config.base import param
 from edl6dof.fsw.guidance.entry.air_data import air_velocity
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
 from edl6dof.fsw.guidance.entry.energy_plan import ENERGY_PLAN, EnergyPlanParams, bank_plan, fly_plan
-from edl6dof.fsw.guidance.entry.predictor import predict
+from edl6dof.fsw.guidance.entry.predictor import linear, predict
 from edl6dof.fsw.navigation.derived import expected_wind, model_atmosphere
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, record
@@ -36,13 +38,16 @@ class StochasticPcParams(EnergyPlanParams):
         20.0, "standard deviation of the wind along the flight from the expected one", gt=0.0, le=200.0
     )
     across_sigma_m_s: float = param(
-        40.0, "standard deviation of the wind across the flight from the expected one", gt=0.0, le=200.0
+        20.0, "standard deviation of the wind across the flight from the expected one", gt=0.0, le=200.0
     )
     wind_change_m_s: float = param(
         0.7, "random walk of this difference in one second", status="estimate", ge=0.0, le=100.0
     )
     sideslip_deg: float = param(
-        0.45, "standard deviation of the sideslip at trim", status="estimate", gt=0.0, le=20.0
+        0.7, "standard deviation of the sideslip at trim", status="estimate", gt=0.0, le=20.0
+    )
+    sideslip_change_deg: float = param(
+        0.05, "random walk of this sideslip in one second", status="estimate", ge=0.0, le=20.0
     )
     gust_m_s: float = param(
         8.0, "standard deviation of gusts in the sideslip", status="estimate", gt=0.0, le=200.0
@@ -56,6 +61,12 @@ class StochasticPcParams(EnergyPlanParams):
         status="design",
         ge=-20e3,
         le=100e3,
+    )
+    floor_bank_deg: float = param(
+        30.0, "smallest last bank angle to which it is lowered", status="design", ge=0.0, le=180.0
+    )
+    sigmas: float = param(
+        3.0, "standard deviations of a head wind in which the aim point stays in reach", ge=0.0, le=10.0
     )
     heading_speed_m_s: float | None = param(
         None, "this law's own value of heading.speed_m_s", status="design", record=False, ge=0.0, le=10e3
@@ -109,6 +120,7 @@ def propagate(params, p, climb, dt, memory):
     P[LEVEL, LEVEL] += 2.0 * p.wave_sigma * p.wave_sigma / p.wave_length * abs(climb)
     for i in range(NORTH, EAST + 1):
         P[i, i] += params.wind_change * params.wind_change * dt
+    P[SIDESLIP, SIDESLIP] += params.sideslip_change * params.sideslip_change * dt
 
 
 @kernel
@@ -176,25 +188,45 @@ def learn(params, onboard, nav, memory):
 
 
 @kernel
-def keep_floor(params, onboard, nav, memory, out):
-    """Lower the last bank angle of the plan where the predicted flight ends below the floor, which then banks
-    more at high speed and ends higher; raise it again where the flight ends above.
+def believe(nav, memory, sigmas, out):
+    """Write into ``out`` the estimate with the wind along the flight ``sigmas`` standard deviations above its
+    mean, and density and trend as they are expected then.
     """
-    ahead = bank_plan(params, onboard, nav, memory, memory.bank, turn=memory.turn)
+    P, x, spread = memory.covariance, memory.state, memory.gain
+    sine, cosine = sincos(nav.azimuth)
+    for i in range(STATES):
+        spread[i] = cosine * P[i, NORTH] + sine * P[i, EAST]
+    scale = sigmas / sqrt(max(cosine * spread[NORTH] + sine * spread[EAST], 1e-9))
+    out.drag_ratio, out.drag_trend = x[LEVEL] + scale * spread[LEVEL], x[TREND] + scale * spread[TREND]
+    out.wind_shift_N[0] = x[NORTH] + scale * spread[NORTH]
+    out.wind_shift_N[1] = x[EAST] + scale * spread[EAST]
+
+
+@kernel
+def keep_floor(params, onboard, nav, memory, out):
+    """Lower the last bank angle of the plan where the flight ends below the floor: it then banks more at
+    high speed, and ends higher. Raise it where the flight ends above, or where the range at the smallest bank
+    angle would be short in a head wind: the plan has less lift in reserve with a lower last bank angle.
+    """
+    plan, least = memory.plan, onboard.guidance.entry.bank_min
+    believe(nav, memory.air, -params.sigmas, out)
+    smallest = linear(least, least, nav.speed, plan.side, plan.turn, second_turn=plan.later)
+    reserve, _, _, _ = predict(onboard, nav, out, smallest)
+    believe(nav, memory.air, 0.0, out)
+    ahead = bank_plan(params, onboard, nav, plan, plan.bank, turn=plan.turn)
     _, _, height, _ = predict(onboard, nav, out, ahead)
-    change = FLOOR_GAIN * (params.floor - height)
-    memory.lowered = clamp(memory.lowered + change, 0.0, params.last_bank)
+    short = min(params.floor - height, reserve)
+    most = max(params.last_bank - params.floor_bank, 0.0)
+    plan.lowered = clamp(plan.lowered + FLOOR_GAIN * short, 0.0, most)
 
 
 @kernel
 def guide(params, plan, onboard, nav, memory, out):
     """Wanted bank angle, its sign included, in the estimated air and wind."""
     learn(params, onboard, nav, memory.air)
-    x = memory.air.state
-    out.drag_ratio, out.drag_trend = x[LEVEL], x[TREND]
-    out.wind_shift_N[0], out.wind_shift_N[1] = x[NORTH], x[EAST]
+    believe(nav, memory.air, 0.0, out)
     if memory.plan.started != 0:
-        keep_floor(params, onboard, nav, memory.plan, out)
+        keep_floor(params, onboard, nav, memory, out)
     return fly_plan(params, onboard, nav, memory.plan, out)
 
 
