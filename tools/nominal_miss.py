@@ -9,8 +9,7 @@ from __future__ import annotations
 import argparse
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
-from edl6dof.studies.guidance import OWN_REVERSALS
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, OWN_REVERSALS
 
 ENTRY = "flight_software.guidance.entry"
 MISSIONS = ("tianwen1", "msl", "mars2020", "tianwen1_range_trigger", "msl_range_trigger")

@@ -28,7 +28,7 @@ from edl6dof.config.units import G0
 from edl6dof.config.wording import counted
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry.reference import reference_bank
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, OWN_REVERSALS, entry_guidance
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.roles import LIFT
@@ -62,8 +62,6 @@ _PER_CONDITION = 5
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
 PREDICTORS = ("npc", "fnpeg", "stochastic_pc")
-#: Laws that plan their reversals themselves.
-OWN_REVERSALS = ("fnpeg", "stochastic_pc")
 REMARKS = (
     "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure "
     "and total angle of attack.",

@@ -51,6 +51,9 @@ ENTRY_LAWS = Family(
     ),
 )
 
+#: Laws that plan their reversals themselves, and fly them with the reversal logic ``own_sign``.
+OWN_REVERSALS = (fnpeg.MEMBER.name, stochastic_pc.MEMBER.name)
+
 ENTRY_MEMORY = record(("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING))
 
 wanted_bank = ENTRY_LAWS.role(
