@@ -76,7 +76,7 @@ def test_filter_is_a_kalman_filter_with_matrices(onboard):
     x = np.array([1.0, 0.0, 0.0, 0.0, 0.0])
     _, _, scale = model_atmosphere(record["atmosphere"], navs[0]["altitude"])
     air_errors = air["drag_error"], air["scale_height_error"] / scale
-    P = np.diag([*air_errors, p["along_sigma"], p["across_sigma"], p["sideslip"]]) ** 2
+    P = np.diag([*air_errors, p["wind_sigma"], p["wind_sigma"], p["sideslip"]]) ** 2
     before = navs[0]
     for nav in navs:
         climb, dt = nav["altitude"] - before["altitude"], nav["t"] - before["t"]

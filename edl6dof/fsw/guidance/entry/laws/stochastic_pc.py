@@ -5,12 +5,17 @@ Filter. A Kalman filter estimates the level of the drag ratio, its trend with he
 wind from the expected one, and the sideslip at trim. Drag grows with density and with the square of the speed
 through the air, so the effect 2 w/V of a wind w from behind grows as the vehicle slows down, whereas the
 error of density depends on height alone. Across the flight the vehicle turns its nose into the wind: sideslip
-of the planet-relative velocity shows the wind along the body axis y, less a constant error of trim, which
-changes its direction at each reversal and the wind does not. Density waves change the level at random with
-height, as in :mod:`~edl6dof.fsw.guidance.entry.air_data`.
+of the planet-relative velocity shows the wind along the body axis y, plus an error of trim, which changes its
+direction at each reversal while the wind does not. Density waves change the level at random with height, as
+in :mod:`~edl6dof.fsw.guidance.entry.air_data`.
 
-Sources: the filter: Harvey 1989, section 2.3 (level and trend), with the wind as in Karlgaard et al. 2014,
-J. Spacecraft and Rockets 51(4); this combination: derived.
+Floor of altitude. A lower last bank angle of the plan ends the flight higher, but leaves less lift in reserve
+against a head wind. It is lowered below the floor only while the aim point stays in reach at a sigma point of
+the filter in a head wind.
+
+Sources: Harvey 1989, "Forecasting, Structural Time Series Models and the Kalman Filter", section 2.3 (level
+and trend); Karlgaard et al. 2014, J. Spacecraft and Rockets 51(4) (wind from the attitude in the air); Julier
+and Uhlmann 2004, Proc. IEEE 92(3) (sigma points); this combination: derived.
 """
 
 from __future__ import annotations
@@ -34,11 +39,8 @@ from edl6dof.spatial.vector import clamp, take3, take4
 class StochasticPcParams(EnergyPlanParams):
     """Predictor-corrector with estimated density and wind."""
 
-    along_sigma_m_s: float = param(
-        20.0, "standard deviation of the wind along the flight from the expected one", gt=0.0, le=200.0
-    )
-    across_sigma_m_s: float = param(
-        20.0, "standard deviation of the wind across the flight from the expected one", gt=0.0, le=200.0
+    wind_sigma_m_s: float = param(
+        20.0, "standard deviation of the wind from the expected one", status="design", gt=0.0, le=200.0
     )
     wind_change_m_s: float = param(
         0.7, "random walk of this difference in one second", status="estimate", ge=0.0, le=100.0
@@ -53,7 +55,7 @@ class StochasticPcParams(EnergyPlanParams):
         8.0, "standard deviation of gusts in the sideslip", status="estimate", gt=0.0, le=200.0
     )
     gust_time_s: float = param(
-        10.0, "time after which they are independent", status="estimate", gt=0.0, le=1000.0
+        10.0, "time after which gusts are independent", status="estimate", gt=0.0, le=1000.0
     )
     floor_m: float = param(
         -5000.0,
@@ -100,11 +102,7 @@ def begin(params, onboard, nav, memory):
     memory.state[LEVEL] = 1.0
     P[LEVEL, LEVEL] = p.drag_error * p.drag_error
     P[TREND, TREND] = (p.scale_height_error / scale_height) * (p.scale_height_error / scale_height)
-    along, across = params.along_sigma * params.along_sigma, params.across_sigma * params.across_sigma
-    sine, cosine = sincos(nav.azimuth)
-    P[NORTH, NORTH] = along * cosine * cosine + across * sine * sine
-    P[EAST, EAST] = along * sine * sine + across * cosine * cosine
-    P[NORTH, EAST] = P[EAST, NORTH] = (along - across) * sine * cosine
+    P[NORTH, NORTH] = P[EAST, EAST] = params.wind_sigma * params.wind_sigma
     P[SIDESLIP, SIDESLIP] = params.sideslip * params.sideslip
 
 
