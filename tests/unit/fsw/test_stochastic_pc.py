@@ -1,5 +1,5 @@
-"""The filter of stochastic_pc equals a Kalman filter with matrices and tells a constant wind from an error of
-density; the law keeps the floor of altitude.
+"""The filter of stochastic_pc equals a Kalman filter with matrices and separates a constant wind from an error
+of density; the law keeps the floor of altitude.
 """
 
 from math import cos, degrees, exp, radians, sin
@@ -57,15 +57,16 @@ def learned(record, navs):
 
 @pytest.mark.parametrize("wind", [(0.0, 0.0), (40.0, 0.0), (-40.0, 0.0), (0.0, 40.0), (20.0, -30.0)])
 @pytest.mark.parametrize("density", [0.9, 1.1])
-def test_filter_tells_a_constant_wind_from_an_error_of_density(onboard, density, wind):
-    """Without waves, gusts and slip, it finds both within a part of the errors that it expects."""
+def test_filter_separates_a_constant_wind_from_an_error_of_density(onboard, density, wind):
+    """In air without waves and gusts, and expecting none."""
     record = onboard[0]
+    p, air = record["guidance"]["entry"]["stochastic_pc"], record["guidance"]["entry"]["air_data"]
+    air["wave_sigma"], air["reading_error"], air["scale_height_error"] = 1e-4, 0.003, 1e-3
+    p["wind_sigma"], p["wind_change"] = 60.0, 0.01
     memory = learned(record, descent(record, density, wind))
     level, _, north, east, _ = memory["state"]
-    assert level == pytest.approx(density, abs=0.03)
-    assert (north, east) == pytest.approx(wind, abs=12.0)
-    for i, error in ((0, level - density), (2, north - wind[0]), (3, east - wind[1])):
-        assert abs(error) < 2.0 * np.sqrt(memory["covariance"][i, i])
+    assert level == pytest.approx(density, abs=0.01)
+    assert (north, east) == pytest.approx(wind, abs=4.0)
 
 
 def test_filter_is_a_kalman_filter_with_matrices(onboard):
@@ -132,7 +133,7 @@ def test_last_bank_angle_is_lowered_below_the_floor_while_a_head_wind_leaves_ran
     record, nav, out = onboard[0], on_the_way(), as_believed()
     p = record["guidance"]["entry"]["stochastic_pc"]
     p["floor"] = floor
-    for nearer, kept in ((2.0, floor > 0.0), (-1.0, False)):  # deg of latitude
+    for nearer, kept in ((2.0, floor > 0.0), (-4.0, False)):  # deg of latitude
         record["site"]["aim_latitude"] += radians(nearer)
         memory = np.zeros(1, MEMORY)[0]
         nav["azimuth"] = SOUTH
