@@ -1,5 +1,5 @@
-"""The filter of stochastic_pc equals a Kalman filter with matrices and separates a constant wind from an error
-of density; the law keeps the floor of altitude.
+"""The filter of stochastic_pc equals a Kalman filter with matrices and separates a constant wind from an
+error of density; the law keeps the floor of altitude.
 """
 
 from math import cos, degrees, exp, radians, sin
