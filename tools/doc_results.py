@@ -63,7 +63,11 @@ def flights_hash(names: str) -> str:
     """
     golden = golden_hashes()
     chosen = golden if names == "all" else {name: golden[name] for name in names.split(", ")}
-    return hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:8]
+    flown = {
+        name: {key: value for key, value in parts.items() if not key.startswith("onboard.")}
+        for name, parts in chosen.items()
+    }
+    return hashlib.sha256(json.dumps(flown, sort_keys=True).encode()).hexdigest()[:8]
 
 
 def pages() -> list[Path]:

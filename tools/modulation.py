@@ -115,8 +115,8 @@ def law_table(laws: dict[str, list[Steady]]) -> Iterator[str]:
 
 def flight_table(names: list[str], seen: np.ndarray, cycle: float) -> Iterator[str]:
     """Pulses of each group of thrusters in a flight, row by row, as Markdown."""
-    widths = "smallest, median, largest width, ms | wider than the smallest, %"
-    yield f"| group | pulses | {widths} | demanded, s | open, s |"
+    sizes = "smallest, median, largest width, ms | wider than the smallest, %"
+    yield f"| group | pulses | {sizes} | demanded, s | open, s |"
     yield "|---|---:|---:|---:|---:|---:|"
     for letter in sorted({name[0] for name in names}):
         own = [i for i, name in enumerate(names) if name[0] == letter]

@@ -74,12 +74,12 @@ def record_commands(start: Setting, cycles: int) -> np.ndarray:
 
 
 @kernel
-def fly_open_loop(functions, case, tables, plant, outputs, work, commands, cycle, first, cycles, steps):
+def fly_open_loop(kinds, case, tables, plant, outputs, work, commands, cycle, first, cycles, steps):
     """Fly on from cycle ``first`` with these commands, ``cycles`` of ``cycle`` s in ``steps`` steps."""
     evaluate(case, tables, plant, outputs, work)
     for k in range(0, len(commands), cycles):
         survey(case, tables, plant, outputs)
-        actuate(functions, case, commands[k], plant)
+        actuate(kinds, case, commands[k], plant)
         for j in range(steps):
             t_end = cycle * (first + k + cycles * (j + 1) / steps)
             advance(case, tables, plant, outputs, work, t_end)
@@ -93,9 +93,8 @@ def open_loop(start: Setting, commands: np.ndarray, share: float, cycle: float) 
     records = {**start.arrays, "plant": plant, "case": cases}
     flown = [records[name][0] for name in ("case", "tables", "plant", "outputs", "work")]
     cycles, steps = max(round(share), 1), max(round(1.0 / share), 1)
-    fly_open_loop(
-        functions_of(cases, start.arrays["onboard"][0]), *flown, commands, cycle, start.cycle, cycles, steps
-    )
+    _, _, _, kinds = functions_of(cases, start.arrays["onboard"][0])
+    fly_open_loop(kinds, *flown, commands, cycle, start.cycle, cycles, steps)
     return plant["y"][0]
 
 

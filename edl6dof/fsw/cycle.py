@@ -147,7 +147,15 @@ def run(functions, onboard, sensed, k, fsw):
     guided_by = onboard.mission.phases[fsw.mission.phase].guidance
     if guided_by == G_ENTRY or guided_by == G_HOLD_BANK:
         expected = expected_wind(onboard.atmosphere, nav.altitude)
-        estimate_wind(onboard.navigation.wind, vehicle, expected, nav, wind)
+        estimate_wind(
+            onboard.navigation.wind,
+            onboard,
+            expected_N=expected,
+            solution=fsw.navigation.solution,
+            pressure=sensed.pressure,
+            nav=nav,
+            memory=wind,
+        )
 
     # mission phases
     sequence(onboard.mission, nav, vehicle=state, guide=goal, memory=fsw.mission, request=command.request)

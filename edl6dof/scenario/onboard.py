@@ -125,6 +125,11 @@ def _believe_instruments(record: np.void, scenario: Scenario) -> None:
         ground, axes = in_si(sensors.ground_tracking), _orbit_axes(scenario)
         for name in ("position", "velocity"):
             record[f"tracking_{name}"] = product(axes.T * np.square(ground[name]), axes)
+    if "pressure_ports" in sensors.flown:
+        ports = in_si(sensors.pressure_ports)
+        record["n_ports"] = ports["n_ports"]
+        record["port_axis"][: ports["n_ports"]] = ports["ports"]["axis"][: ports["n_ports"]]
+        record["port_bias"], record["port_scale"] = ports["bias"], ports["scale"]
     if "radar" in sensors.flown:
         _believe_radar(record, in_si(sensors.radar))
     if "landing_camera" in sensors.flown:

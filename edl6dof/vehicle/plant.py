@@ -27,7 +27,7 @@ from edl6dof.interface.effectors import THRUSTER_FAILURES
 from edl6dof.kernels import kernel
 from edl6dof.records import FLAG, TIME_IF_EVER, record, whole
 from edl6dof.vehicle.mass import BODY, SHAPES
-from edl6dof.vehicle.parachutes.parachute import PACKED, RELEASED
+from edl6dof.vehicle.parachutes.parachute import BY_STRETCH, PACKED, RELEASED, SLACK
 
 #: Modes of a reading: correct; stuck at the last one before the fault; at the end of the range without the
 #: flag of saturation; none; at the end of the range with that flag; of something other than the ground.
@@ -133,6 +133,7 @@ OUTPUTS = record(
     ("aero_force_B", "f8", (3,)),
     ("aero_moment_B", "f8", (3,)),
     ("riser_tension", "f8"),
+    ("riser_margin", "f8"),  # m: positive while it is taut
     ("canopy_acceleration_I", "f8", (3,)),  # without gravitation
     ("canopy_weight", "f8"),  # factor on gravitation due to its apparent mass
     ("pads", whole(0, MAX_FOOTPADS)),
@@ -203,6 +204,7 @@ INPUTS = record(
         (MAX_ENGINES,),
     ),  # N/s: slope of the goal, about the middle of the step
     ("filled", FLAG, (MAX_TANKS,)),  # whether each tank has propellant to give
+    ("riser", whole(BY_STRETCH, SLACK)),  # held in one state during a step
     ("noncentral_I", "f8", (3,)),  # m/s2, I: noncentral part of gravitation
     ("areoid", "f8", (4,)),  # plane of its height (m) above the ellipsoid: slope (F), constant
     ("ground_altitude", "f8"),  # m above the ellipsoid: the plane of the ground

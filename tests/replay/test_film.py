@@ -66,10 +66,10 @@ def drawn(given, monkeypatch) -> list[float]:
     """Times of the frames that were drawn, by a stage that draws one pixel."""
     times: list[float] = []
 
-    def pixels(_: History, at: np.ndarray, *__: object) -> Iterator[np.ndarray]:
+    def pixels(_: History, at: np.ndarray, *__: object) -> Iterator[Callable[[], np.ndarray]]:
         for t in at:
             times.append(float(t))
-            yield np.full((1, 1, 3), 7, np.uint8)
+            yield lambda: np.full((1, 1, 3), 7, np.uint8)
 
     monkeypatch.setattr(films, "drawn", pixels)
     return times
@@ -248,8 +248,8 @@ def test_an_encoder_that_fails_says_why_and_leaves_nothing(tmp_path, drawn, enco
 def test_an_interrupted_film_leaves_the_one_that_was_there(tmp_path, given, monkeypatch, encoder):
     encoder(KEEPS)
 
-    def interrupted(*_: object) -> Iterator[np.ndarray]:
-        yield np.zeros((1, 1, 3), np.uint8)
+    def interrupted(*_: object) -> Iterator[Callable[[], np.ndarray]]:
+        yield lambda: np.zeros((1, 1, 3), np.uint8)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(films, "drawn", interrupted)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from edl6dof.fsw.navigation.landmark_fix import LANDMARK_CAMERA
-from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS
+from edl6dof.interface.capacities import MAX_ACCELEROMETERS, MAX_BEAMS, MAX_GYROS, MAX_PORTS
 from edl6dof.interface.sensed import IMAGERS
 from edl6dof.records import record
 
@@ -38,6 +38,11 @@ INSTRUMENTS = record(
     # ground tracking
     ("tracking_position", "f8", (3, 3)),  # m2, I: covariance of the state sent up
     ("tracking_velocity", "f8", (3, 3)),  # m2/s2, I
+    # pressure ports
+    ("port_axis", "f8", (MAX_PORTS, 3)),  # B: outward normals
+    ("n_ports", "i8"),
+    ("port_bias", "f8"),  # Pa: constant error of a port
+    ("port_scale", "f8"),  # of the pressure, a constant error
     # radar
     ("antenna_position", "f8", (3,)),  # m, B
     ("beam_axis", "f8", (MAX_BEAMS, 3)),  # B: unit vectors towards the ground

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ from edl6dof.replay.film.actors import Cast
 from edl6dof.replay.film.encoder import encoder, encoding
 from edl6dof.replay.film.pace import Cut, frame_times, moments, reversals
 from edl6dof.replay.film.shots import shot_list, views
+from edl6dof.replay.film.smooth import smooth
 from edl6dof.replay.film.stage import Stage
 from edl6dof.replay.film.titles import Titles
 from edl6dof.replay.history import History
@@ -33,10 +36,19 @@ def film(
         NoFilm: a library or the encoder is missing, or the encoder ended with an error.
     """
     times = times_of(flight, cut)
-    with encoding(encoder(), target, size, cut.fps) as frames:
-        for number, frame in enumerate(drawn(flight, times, cut.fps, size)):
-            frames.write(frame.tobytes())
+    with encoding(encoder(), target, size, cut.fps) as frames, ThreadPoolExecutor(1) as writer:
+
+        def write(finished: Callable[[], np.ndarray]) -> None:
+            frames.write(finished().tobytes())
+
+        written: Future[None] | None = None
+        for number, finished in enumerate(drawn(flight, times, cut.fps, size)):
+            if written is not None:
+                written.result()
+            written = writer.submit(write, finished)
             progress(number + 1, len(times))
+        if written is not None:
+            written.result()
 
 
 def times_of(flight: History, cut: Cut) -> np.ndarray:
@@ -44,8 +56,12 @@ def times_of(flight: History, cut: Cut) -> np.ndarray:
     return frame_times(cut, *moments(flight.events))
 
 
-def drawn(flight: History, times: np.ndarray, fps: float, size: tuple[int, int]) -> Iterator[np.ndarray]:
-    """Draw the frames at these times (s), shape (height, width, 3), uint8."""
+def drawn(
+    flight: History, times: np.ndarray, fps: float, size: tuple[int, int]
+) -> Iterator[Callable[[], np.ndarray]]:
+    """Draw the scene at these times (s); yield for each a function that returns the finished frame, shape
+    (height, width, 3), uint8.  It may run in another thread while the next scene is drawn.
+    """
     motion = Motion(flight)
     shots = shot_list(motion, flight.when, reversals(flight.events))
     titles, stage = Titles(flight, times, size, fps), Stage(flight, motion, size)
@@ -53,9 +69,17 @@ def drawn(flight: History, times: np.ndarray, fps: float, size: tuple[int, int])
         cast = Cast(stage, flight, motion)
         for number, view in enumerate(views(motion, shots, times, fps)):
             t = float(times[number])
-            if number == 0 or t != times[number - 1]:  # the film ends with a still
+            new = number == 0 or t != times[number - 1]  # the film ends with a still
+            if new:
                 cast.show(t)
                 picture = stage.draw(view, float(np.interp(t, flight.t, motion.height)))
-            yield titles.write(picture.copy(), number)
+            yield partial(_finished, titles, picture, number, new)
     finally:
         stage.close()
+
+
+def _finished(titles: Titles, picture: np.ndarray, number: int, new: bool) -> np.ndarray:
+    """Return a frame with smooth edges and titles; ``picture``: rows from the bottom, smoothed if ``new``."""
+    if new:
+        smooth(picture)
+    return titles.write(picture[::-1].copy(), number)

@@ -13,7 +13,6 @@ import numpy as np
 from edl6dof.child import python
 from edl6dof.replay.failures import NoFilm
 from edl6dof.replay.film.shots import View
-from edl6dof.replay.film.smooth import smooth
 from edl6dof.replay.history import History
 from edl6dof.replay.scene.landscape import Landscape
 from edl6dof.replay.scene.mesh import Mesh
@@ -84,6 +83,9 @@ class Stage:
         self.plotter: pyvista.Plotter = self.pv.Plotter(off_screen=True, window_size=size, lighting="none")
         self.plotter.set_background("black")
         self.plotter.disable_anti_aliasing()
+        self.plotter.renderer.SetUseOIT(
+            False
+        )  # it draws a second picture; layers of gas differ little in colour
         self.plotter.remove_all_lights()
         sun = 1e3 * motion.site.light
         self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.8))
@@ -118,7 +120,7 @@ class Stage:
         )
 
     def draw(self, view: View, height_m: float) -> np.ndarray:
-        """Return a picture of the scene, shape (height, width, 3), uint8; ``height_m``: of the vehicle."""
+        """Return the scene from the bottom up, shape (height, width, 3), uint8, seen from a height (m)."""
         camera = self.plotter.camera
         camera.position, camera.focal_point, camera.up = view.eye, view.aim, view.up
         camera.view_angle = view.field_deg
@@ -132,9 +134,7 @@ class Stage:
         pixels = self.pv.convert_array(np.empty(0, np.uint8))
         width, height = self.size
         window.GetPixelData(0, 0, width - 1, height - 1, 0, pixels, 0)
-        picture = self.pv.convert_array(pixels).reshape(height, width, 3)
-        smooth(picture)
-        return np.asarray(picture[::-1])
+        return np.asarray(self.pv.convert_array(pixels).reshape(height, width, 3))
 
     def close(self) -> None:
         """Release the graphics."""
@@ -182,9 +182,7 @@ class Stage:
         actor.texture.SetMaximumAnisotropicFiltering(1.0)
 
     def _thin_gas(self, view: View) -> None:
-        """Make gas transparent where the camera sees its surface edge on, and blend its layers exactly."""
-        shown = any(gas[0].visibility for gas in self._gas)
-        self.plotter.renderer.SetUseOIT(shown)  # a second picture, which flames alone do not need
+        """Make gas transparent where the camera sees its surface edge on."""
         for actor, data, places, normals, colours, opacity in self._gas:
             if actor.visibility:
                 matrix = np.asarray(actor.user_matrix)

@@ -71,11 +71,11 @@ class Titles:
         """Write words, their baseline at a place (shares of the frame); ``size``: pixels of 1080."""
         if shown <= 0.0 or not words:
             return
-        mask, left, top = _written(words, look, max(round(size * self._unit), 6))
-        x, y = round(place[0] * self.size[0]) + left, round(place[1] * self.size[1]) + top
         off = max(1, round(1.6 * self._unit))
         for shift, tint, share in ((off, (0, 0, 0), 0.55 * shown), (0, colour, shown)):
-            self._image.paste(tint, (x + shift, y + shift), mask.point([int(share * k) for k in range(256)]))
+            mask, left, top = _written(words, look, max(round(size * self._unit), 6), round(255.0 * share))
+            x, y = round(place[0] * self.size[0]) + left, round(place[1] * self.size[1]) + top
+            self._image.paste(tint, (x + shift, y + shift), mask)
 
     def _figures(self, number: int, shown: float) -> None:
         """Write time, height, speed, load, phase and pace."""
@@ -139,17 +139,25 @@ class Titles:
             self._text((0.06, y), words, size, look, colour, shown)
 
 
-@lru_cache(maxsize=64)
-def _written(words: str, look: str, size: int) -> tuple[Any, int, int]:
-    """Picture of words in a font, and the place of its left and top edge from the start of the baseline."""
-    import matplotlib
-    from PIL import Image, ImageDraw, ImageFont
+@lru_cache(maxsize=256)
+def _written(words: str, look: str, size: int, opacity: int) -> tuple[Any, int, int]:
+    """Picture of words, 0 to ``opacity``, and its left and top edge from the start of the baseline."""
+    from PIL import Image, ImageDraw
 
-    font = ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts/ttf" / f"{look}.ttf"), size)
+    font = _font(look, size)
     left, top, right, bottom = (int(edge) for edge in font.getbbox(words, anchor="ls"))
     mask = Image.new("L", (right - left + 1, bottom - top + 1))
-    ImageDraw.Draw(mask).text((-left, -top), words, font=font, anchor="ls", fill=255)
+    ImageDraw.Draw(mask).text((-left, -top), words, font=font, anchor="ls", fill=opacity)
     return mask, left, top
+
+
+@lru_cache
+def _font(look: str, size: int) -> Any:
+    """Font of this look, ``size`` pixels high."""
+    import matplotlib
+    from PIL import ImageFont
+
+    return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts/ttf" / f"{look}.ttf"), size)
 
 
 def _caption(event: Mapping[str, Any]) -> tuple[str, str]:

@@ -34,11 +34,13 @@ from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_
 from edl6dof.vehicle.parachutes.parachute import (
     EXTRACTING,
     INFLATING,
+    SLACK,
+    TAUT,
     apparent_mass,
     canopy_force,
     confluence,
     inflation,
-    riser_tension,
+    riser_pull,
 )
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -105,9 +107,9 @@ def aero_loads(case, tables, plant, t, gas, v_air, w, centre):
 
 @kernel
 def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
-    """Loads of the riser on the vehicle: force and moment about the centre of mass (B), tension (N).  Motion
-    of the canopy, in the air at its own height: acceleration without gravitation (I, m/s2), and the factor on
-    gravitation (below 1) due to its apparent mass.
+    """Loads of the riser on the vehicle: force and moment about the centre of mass (B), tension (N) and its
+    margin (m).  Motion of the canopy, in the air at its own height: acceleration without gravitation (I,
+    m/s2), and the factor on gravitation (below 1) due to its apparent mass.
     """
     chute = case.vehicle.parachutes[plant.parachute]
     r_I = take3(y, POSITION)
@@ -120,7 +122,10 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
     packed = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
-    tension = riser_tension(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
+    tension, margin = riser_pull(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
+    held = plant.inputs.riser
+    if held == SLACK or (held != TAUT and margin <= 0.0):
+        tension = 0.0
     fraction = 0.0
     if plant.canopy == INFLATING:
         filled = inflation(chute, t - plant.line_stretch_time[plant.parachute])
@@ -134,7 +139,7 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     inverse = 1.0 / (packed + apparent_mass(chute, density, fraction))
     acceleration = scale(inverse, sub(drag, scale(tension, line)))
     pull = to_frame(q, scale(tension, line))
-    return pull, cross(arm, pull), tension, acceleration, packed * inverse
+    return pull, cross(arm, pull), tension, margin, acceleration, packed * inverse
 
 
 @inlined_kernel
@@ -158,9 +163,10 @@ def loads(case, tables, plant, t, rotation, y, outputs):
         case, tables, plant, t, gas, v_air=v_air, w=w, centre=centre
     )
     force, moment = aero_force, aero_moment
-    tension, canopy_acceleration, canopy_weight = 0.0, (0.0, 0.0, 0.0), 0.0
+    tension = margin = canopy_weight = 0.0
+    canopy_acceleration = (0.0, 0.0, 0.0)
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
-        pull, turning, tension, canopy_acceleration, canopy_weight = riser_loads(
+        pull, turning, tension, margin, canopy_acceleration, canopy_weight = riser_loads(
             case, tables, plant, t, rotation, y=y, q=q, w=w, centre=centre
         )
         force, moment = add(force, pull), add(moment, turning)
@@ -185,7 +191,8 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     put3(out.aero_moment_B, 0, aero_moment)
     put3(out.load_force_B, 0, force)
     put3(out.load_moment_B, 0, moment)
-    out.riser_tension, out.mass, out.pads, out.wing_opening = tension, mass, pads, opening
+    out.riser_tension, out.riser_margin = tension, margin
+    out.mass, out.pads, out.wing_opening = mass, pads, opening
     put3(out.canopy_acceleration_I, 0, canopy_acceleration)
     out.canopy_weight = canopy_weight
     put3(out.centre, 0, centre)

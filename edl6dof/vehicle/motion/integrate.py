@@ -14,38 +14,39 @@ from __future__ import annotations
 from math import isnan
 
 from edl6dof.kernels import kernel
-from edl6dof.spatial.quaternion import from_frame, to_frame
-from edl6dof.spatial.vector import add, norm, put3, sub, take3
+from edl6dof.spatial.vector import put3, take3
 from edl6dof.vehicle.landing_gear import minimum_clearance, normal_of
 from edl6dof.vehicle.motion.balance import bodies, book, settle
 from edl6dof.vehicle.motion.runge_kutta import NEAR_GROUND, evaluate, step
 from edl6dof.vehicle.motion.staging import carry_out
-from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING, confluence
-from edl6dof.vehicle.plant import CANOPY_POSITION, POSITION, PROPELLANT, STATES, take_attitude
+from edl6dof.vehicle.parachutes.parachute import BY_STRETCH, EXTRACTING, INFLATING, SLACK, TAUT
+from edl6dof.vehicle.plant import PROPELLANT, STATES, take_attitude
 from edl6dof.vehicle.surroundings import planet_rotation
 
 TIME_TOLERANCE = 1e-9
+#: After so many events of the state in one cycle, changes of the riser are not located: a riser at the edge
+#: between taut and slack does not hang the flight.
+MOST_EVENTS = 20
 #: Value of an event function while its event cannot happen.
 NOT_ARMED = 1e99
 
 
 @kernel
-def slack(case, plant, outputs):
-    """Length of line still to be paid out before line stretch, m."""
-    if plant.canopy != EXTRACTING:
-        return NOT_ARMED
-    chute = case.vehicle.parachutes[plant.parachute]
-    centre, q = take3(outputs.centre, 0), take_attitude(plant.y)
-    r_I, canopy = take3(plant.y, POSITION), take3(plant.y, CANOPY_POSITION)
-    arm = sub(confluence(chute, add(centre, to_frame(q, sub(canopy, r_I)))), centre)
-    return chute.line_length - norm(sub(canopy, add(r_I, from_frame(q, arm))))
+def until_riser_changes(plant, outputs):
+    """Length (m) by which lines and riser can move before a slack riser becomes taut or a taut one slack."""
+    if plant.canopy == EXTRACTING or (plant.canopy == INFLATING and plant.inputs.riser == SLACK):
+        return -outputs.riser_margin
+    if plant.canopy == INFLATING and plant.inputs.riser == TAUT:
+        return outputs.riser_margin
+    return NOT_ARMED
 
 
 @kernel
-def stretch(case, plant):
-    """Line stretch: the canopy begins to fill."""
-    plant.canopy = INFLATING
-    plant.line_stretch_time[plant.parachute] = plant.t
+def change_riser(plant):
+    """When the riser is taut for the first time, line stretch, the canopy begins to fill."""
+    if plant.canopy == EXTRACTING:
+        plant.canopy = INFLATING
+        plant.line_stretch_time[plant.parachute] = plant.t
 
 
 @kernel
@@ -105,7 +106,7 @@ def run_dry(case, plant):
 def until_event(case, plant, outputs):
     """Smallest of the event functions: positive until the first event."""
     least = min(NOT_ARMED, least_propellant(case, plant, outputs))
-    least = min(least, slack(case, plant, outputs))
+    least = min(least, until_riser_changes(plant, outputs))
     return min(least, clearance(case, plant, outputs))
 
 
@@ -114,8 +115,8 @@ def carry_out_state_events(case, plant, outputs):
     """Carry out every event of the state that has occurred, simultaneous ones in this order."""
     if least_propellant(case, plant, outputs) <= 0.0:
         run_dry(case, plant)
-    if slack(case, plant, outputs) <= 0.0:
-        stretch(case, plant)
+    if until_riser_changes(plant, outputs) <= 0.0:
+        change_riser(plant)
     if clearance(case, plant, outputs) <= 0.0:
         touch_down(case, plant)
 
@@ -209,16 +210,22 @@ def advance(case, tables, plant, outputs, work, t_end):
     """Fly from ``plant.t`` to ``t_end`` (s), events included; False after a step that failed.  ``outputs``
     belong to the present state, before and after.
     """
+    events = 0
     while True:
         event, due = next_scheduled(case, plant, t_end)
         if due - plant.t > TIME_TOLERANCE:
             stop = next_stop(case, plant, due)
+            if events < MOST_EVENTS:
+                plant.inputs.riser = TAUT if outputs.riser_margin > 0.0 else SLACK
             come, succeeded = step_to_event(case, tables, plant, outputs, work, t_end=stop)
             if not succeeded:
                 return False
             book(plant, work)
             if come:
+                events += 1
                 carry_out_state_events(case, plant, outputs)
+            plant.inputs.riser = BY_STRETCH
+            if come:
                 evaluate(case, tables, plant, outputs, work)
             if come or stop < due:
                 continue

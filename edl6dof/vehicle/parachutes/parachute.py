@@ -48,6 +48,8 @@ _ROUNDING = 1e-12
 #: Index of the choice of ``area_oscillates`` in records.
 ALWAYS = 0
 PACKED, EXTRACTING, INFLATING, RELEASED = range(4)
+#: Riser in the derivative: as its stretch says, or held for a step, so that the step is smooth.
+BY_STRETCH, TAUT, SLACK = range(3)
 
 
 class ParachuteParams(ParachuteChoice, Hardware):
@@ -225,13 +227,21 @@ def apparent_mass(chute, density, fraction):
 
 
 @kernel
+def riser_pull(chute, canopy_mass, distance, stretch_rate):
+    """Pull (N) of spring and damper in lines and riser, and its margin (m), which is positive while they are
+    taut: when slack they would push, or are too short to reach.
+    """
+    stretch = distance - chute.line_length
+    damping = 2.0 * chute.damping_ratio * sqrt(chute.stiffness * canopy_mass)
+    pull = chute.stiffness * stretch + damping * stretch_rate
+    return pull, min(stretch, pull / chute.stiffness)
+
+
+@kernel
 def riser_tension(chute, canopy_mass, distance, stretch_rate):
     """Tension (N) of lines and riser: zero when slack, never a push."""
-    stretch = distance - chute.line_length
-    if stretch <= 0.0:
-        return 0.0
-    damping = 2.0 * chute.damping_ratio * sqrt(chute.stiffness * canopy_mass)
-    return max(chute.stiffness * stretch + damping * stretch_rate, 0.0)
+    pull, margin = riser_pull(chute, canopy_mass, distance, stretch_rate)
+    return pull if margin > 0.0 else 0.0
 
 
 @kernel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from edl6dof.scenario import records
-from edl6dof.vehicle.motion.integrate import advance, clearance, slack
+from edl6dof.vehicle.motion.integrate import advance, clearance, until_riser_changes
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.parachutes.parachute import EXTRACTING, INFLATING
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY, OUTPUTS, PROPELLANT, WORKSPACE
@@ -133,13 +133,13 @@ def test_line_stretch_is_that_of_a_straight_line():
     flown.plant["canopy"] = EXTRACTING
     evaluate(*flown)
     length = flown.case["vehicle"]["parachutes"]["line_length"][0, 0]
-    distance = length - slack(flown.case[0], flown.plant[0], flown.outputs[0])
+    distance = length - until_riser_changes(flown.plant[0], flown.outputs[0])
     # |d + v t| = length, with d from two slacks
     later = Flown(*PACK)
     later.plant[:] = flown.plant
     evaluate(*later)
     later.to(0.1)
-    then = length - slack(later.case[0], later.plant[0], later.outputs[0])
+    then = length - until_riser_changes(later.plant[0], later.outputs[0])
     v2 = velocity @ velocity
     along = (then**2 - distance**2 - v2 * 0.01) / 0.2
     time = (-along + np.sqrt(along**2 - v2 * (distance**2 - length**2))) / v2
