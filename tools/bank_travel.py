@@ -12,6 +12,7 @@ import argparse
 from math import cos, radians, sin
 
 import edl6dof
+from edl6dof.fsw.guidance.entry.registry import OWN_REVERSALS
 from edl6dof.studies.guidance import ENTRY, LAWS, of_flight
 
 WIND_M_S = 40.0
@@ -47,7 +48,7 @@ def wind(mission: str, turn_deg: float) -> str:
 
 def beyond(mission: str, law: str, sets: tuple[str, ...]) -> tuple[float, float]:
     """Bank travel (deg) and propellant (kg) of one entry beyond the reversals."""
-    own = [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
+    own = [f"{ENTRY}.reversal.logic=own_sign"] if law in OWN_REVERSALS else []
     found = of_flight(edl6dof.fly(mission, ["mission.goal=deployment", f"{ENTRY}.law={law}", *own, *sets]))
     return found["extra_travel_deg"], found["extra_propellant_kg"]
 

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from edl6dof.fsw.guidance.entry.predictor import (
+    AS_BELIEVED,
     LONGEST_STEP,
     LOWEST,
     MAX_STEPS,
@@ -45,8 +46,6 @@ NUDGE = 0.02
 FIRST_STEP, LAST_STEP, PROGRAMS = 0.5, 0.004, 40
 #: Price of a metre of miss in metres of altitude, and the miss (m) up to which the aim point is met.
 PRICE, MET = 10.0, 50.0
-#: Drag and lift-to-drag ratio over those of the record.
-AS_GIVEN = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -95,14 +94,14 @@ def fly_lift(onboard, start, lowest, lifts, end):
         lift = (between(lifts[:, 0], i, f), between(lifts[:, 1], i, f))
         if speed <= entry.align_speed:
             lift = (1.0, 0.0)
-        a, drag, mach = acceleration(onboard, AS_GIVEN, r, v, lift)
+        a, drag, mach = acceleration(onboard, AS_BELIEVED, r, v, lift)
         final = entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         excess = speed - final
         if excess <= 0.0 or height_above_ellipsoid(planet, r) < LOWEST:
             break
         dt = clamp(SPEED_STEP / max(drag, 1e-3), SHORTEST_STEP, LONGEST_STEP)
         r_old, excess_old = r, excess
-        r, v = step(onboard, AS_GIVEN, r, v, a, lift_shares=lift, dt=dt)
+        r, v = step(onboard, AS_BELIEVED, r, v, a, lift_shares=lift, dt=dt)
     if excess < 0.0 < excess_old:
         back = excess / (excess - excess_old)
         r = (

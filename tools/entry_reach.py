@@ -84,13 +84,16 @@ def true_model(flight: Flight) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.n
     vehicle = record["vehicle"]
     moved = np.array(
         [
-            acceleration(record, (0.0, 0.0), tuple(a), tuple(b), (1.0, 0.0))[0]
+            acceleration(record, (0.0, 0.0, 0.0, 0.0), tuple(a), tuple(b), (1.0, 0.0))[0]
             for a, b in zip(r, v, strict=True)
         ]
     )
     force = np.gradient(v, t, axis=0) - moved
     through = np.array(
-        [velocity_in_air(air, tuple(a), tuple(b), h) for a, b, h in zip(r, v, height, strict=True)]
+        [
+            velocity_in_air(air, tuple(a), tuple(b), h, (0.0, 0.0))
+            for a, b, h in zip(r, v, height, strict=True)
+        ]
     )
     through /= np.linalg.norm(through, axis=1)[:, None]
     drag = -np.sum(force * through, axis=1)

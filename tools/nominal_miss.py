@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, OWN_REVERSALS
 
 ENTRY = "flight_software.guidance.entry"
 MISSIONS = ("tianwen1", "msl", "mars2020", "tianwen1_range_trigger", "msl_range_trigger")
@@ -40,7 +40,7 @@ def winds(speed: float) -> list[list[str]]:
 
 def miss(scenario: str, law: str, wind: list[str]) -> float:
     """Distance (km) from the aim point at the mortar."""
-    own = [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
+    own = [f"{ENTRY}.reversal.logic=own_sign"] if law in OWN_REVERSALS else []
     flight = edl6dof.fly(scenario, ["mission.goal=deployment", f"{ENTRY}.law={law}", *own, *wind])
     return flight.figures["parachute_miss_m"] / 1e3
 

@@ -13,7 +13,7 @@ from itertools import product
 from math import inf
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, OWN_REVERSALS
 
 ENTRY = "flight_software.guidance.entry"
 RATES_DEG_S = (5.0, 10.0, 20.0)
@@ -44,7 +44,7 @@ def main() -> None:
 
 def row(vehicle: str, law: str, gains: str = "") -> None:
     """One line: the miss at each bank rate."""
-    own = [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
+    own = [f"{ENTRY}.reversal.logic=own_sign"] if law in OWN_REVERSALS else []
     own += [f"{ENTRY}.{law}={gains}"] if gains else []
     missed = [miss(vehicle, [f"{ENTRY}.law={law}", *own], rate) for rate in RATES_DEG_S]
     name = f"`{vehicle}`: `{law}`{', slower gains' if gains else ''}"

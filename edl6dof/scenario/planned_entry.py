@@ -18,7 +18,7 @@ import numpy as np
 from edl6dof.fsw.functions import PLACES
 from edl6dof.fsw.guidance.entry.aim_point import to_target
 from edl6dof.fsw.guidance.entry.airframe import believed_aero
-from edl6dof.fsw.guidance.entry.predictor import acceleration, aim_direction, roll, step
+from edl6dof.fsw.guidance.entry.predictor import AS_BELIEVED, acceleration, aim_direction, roll, step
 from edl6dof.fsw.guidance.entry.reference import PLANNED, reference_bank
 from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.fsw.guidance.guidance_command import GUIDE
@@ -46,8 +46,6 @@ SHARED = (
     *("t", "latitude", "longitude", "altitude", "speed", "azimuth"),
     *("bank", "energy", "mach", "drag", "dynamic_pressure"),
 )
-#: Drag and lift-to-drag ratio of the plan, relative to the believed ones.
-AS_BELIEVED = (1.0, 1.0)
 #: State in F, and inputs, memory and outputs of the flight computer.
 SCRATCH = record(
     ("r", "f8", (3,)),

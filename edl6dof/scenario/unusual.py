@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from edl6dof.config.document.yamltree import dotted
 from edl6dof.config.model_paths import leaves, numbers, usual_range
 from edl6dof.config.units import split_unit
+from edl6dof.fsw.guidance.entry.registry import OWN_REVERSALS
 from edl6dof.scenario.entry_range import out_of_range
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
@@ -40,9 +41,9 @@ def unusual_in(scenario: Scenario) -> dict[str, str]:
     if scenario.vehicle.rcs.thrusters and not scenario.vehicle.tanks:
         found["vehicle.rcs.thrusters"] = "the vehicle has no tank (vehicle.tanks), so no thruster ever fires"
     entry = scenario.flight_software.guidance.entry
-    if entry.law == "fnpeg" and "logic" not in entry.reversal.model_fields_set:
+    if entry.law in OWN_REVERSALS and "logic" not in entry.reversal.model_fields_set:
         found["flight_software.guidance.entry.law"] = (
-            f"fnpeg plans its own reversals, but reversal.logic is not set, so {entry.reversal.logic} "
+            f"{entry.law} plans its own reversals, but reversal.logic is not set, so {entry.reversal.logic} "
             "chooses the side: set reversal.logic to own_sign to fly the planned reversals"
         )
     return found

@@ -28,7 +28,7 @@ from edl6dof.config.units import G0
 from edl6dof.config.wording import counted
 from edl6dof.fsw.functions import chosen
 from edl6dof.fsw.guidance.entry.reference import reference_bank
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, entry_guidance
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, ENTRY_MEMORY, OWN_REVERSALS, entry_guidance
 from edl6dof.fsw.guidance.guidance_command import GUIDE
 from edl6dof.fsw.navigation.derived import NAV
 from edl6dof.interface.roles import LIFT
@@ -61,7 +61,7 @@ _PER_CONDITION = 5
 #: Targets of this study: share of the best law's misses that must be within a distance (km), time of a call
 #: (us) of a law that predicts by flying ahead, and of any other.
 TARGET_SHARE, TARGET_KM, PREDICTOR_CALL_US, CALL_US = 0.99, 2.5, 2000.0, 5.0
-PREDICTORS = ("npc", "fnpeg")
+PREDICTORS = ("npc", "fnpeg", "stochastic_pc")
 REMARKS = (
     "The bounds are this project's own targets; the box is the scenario's limits on Mach, dynamic pressure "
     "and total angle of attack.",
@@ -153,7 +153,7 @@ def with_law(vehicle: Vehicle, law: str) -> LoadedScenario:
     banks = [degrees(reference_bank(onboard, shift, v)) for v in speeds]
     points = [{"at": round(float(v), 3), "bank_deg": bank} for v, bank in zip(speeds, banks, strict=True)]
     own = [f"{ENTRY}.law={law}", f"{ENTRY}.bank_profile={json.dumps({'points': points})}"]
-    if law == "fnpeg":  # it plans its reversals itself
+    if law in OWN_REVERSALS:
         own.append(f"{ENTRY}.reversal.logic=own_sign")
     return vehicle.load("simulation.log_every=5", *own)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import edl6dof
+from edl6dof.fsw.guidance.entry.registry import OWN_REVERSALS
 from edl6dof.interface.roles import LIFT
 from edl6dof.studies.guidance import ENTRY, LAWS, bank_travel, of_flight
 
@@ -33,7 +34,7 @@ def on_instruments(mission, law, disturbance=()):
     """Figures of an entry of a rigid body on instruments."""
     course = edl6dof.load(mission).scenario.initial.azimuth_deg
     sets = [f"{ENTRY}.law={law}", "mission.goal=deployment", "simulation.log_every=5"]
-    sets += [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
+    sets += [f"{ENTRY}.reversal.logic=own_sign"] if law in OWN_REVERSALS else []
     for part in disturbance:
         sets += steady(course + WINDS[part], WIND_M_S) if part in WINDS else [part]
     flight = edl6dof.fly(mission, sets)

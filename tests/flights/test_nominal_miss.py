@@ -3,7 +3,7 @@
 import pytest
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS
+from edl6dof.fsw.guidance.entry.registry import ENTRY_LAWS, OWN_REVERSALS
 
 ENTRY = "flight_software.guidance.entry"
 MISSIONS = ("tianwen1", "msl", "mars2020", "tianwen1_range_trigger", "msl_range_trigger")
@@ -14,7 +14,7 @@ PROFILES = ("fl", "ehgo_fl", "adaptive_hinf")
 
 
 def miss(mission, law):
-    own = [f"{ENTRY}.reversal.logic=own_sign"] if law == "fnpeg" else []
+    own = [f"{ENTRY}.reversal.logic=own_sign"] if law in OWN_REVERSALS else []
     flight = edl6dof.fly(mission, ["mission.goal=deployment", f"{ENTRY}.law={law}", *own])
     return flight.figures["parachute_miss_m"]
 

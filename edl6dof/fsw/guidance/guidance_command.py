@@ -57,6 +57,8 @@ GUIDE = record(
     ("drag_ratio", "f8"),  # measured over believed drag
     ("drag_trend", "f8"),  # 1/m: change of that ratio with height
     ("lift_ratio", "f8"),  # measured over believed lift-to-drag ratio
+    # m/s, N: wind above the expected one, north and east, in predictions of the entry
+    ("wind_shift_N", "f8", (2,)),
     ("time_to_go", "f8"),  # s: until the powered target is reached
     ("relaxed", whole(0, EVERYTHING)),  # number of constraints that powered guidance relaxes, in their order
     ("landing_error", "f8"),  # m: expected distance from rest at the target with relaxed constraints

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import edl6dof
-from edl6dof.fsw.guidance.entry.laws.fnpeg import (
-    MEMORY,
+from edl6dof.fsw.guidance.entry.energy_plan import (
+    ENERGY_PLAN,
     bank_plan,
     correct,
     correct_turn,
@@ -59,7 +59,7 @@ def test_plan_is_linear_in_energy_and_changes_side_at_each_reversal(onboard):
 
 def test_corrections_end_at_the_aim_point_in_range_and_crossrange(onboard):
     """From a first guess tens of kilometres off, within a second's worth of calls, to the tolerance."""
-    record, nav, out, memory = onboard[0], on_the_way(), as_believed(), np.zeros(1, MEMORY)[0]
+    record, nav, out, memory = onboard[0], on_the_way(), as_believed(), np.zeros(1, ENERGY_PLAN)[0]
     params = record["guidance"]["entry"]["fnpeg"]
     out["crossrange"] = 1.0
     start(params, record, nav, memory, out, record["guidance"]["entry"]["align_speed"])
@@ -73,7 +73,7 @@ def test_corrections_end_at_the_aim_point_in_range_and_crossrange(onboard):
 
 def test_bank_beyond_the_largest_raises_the_last_one(onboard):
     """So a plan that asks for more than the limit is flown at the limit for longer, and is predicted so."""
-    record, nav, memory = onboard[0], on_the_way(), np.zeros(1, MEMORY)[0]
+    record, nav, memory = onboard[0], on_the_way(), np.zeros(1, ENERGY_PLAN)[0]
     entry = record["guidance"]["entry"]
     params, most = entry["fnpeg"], entry["bank_max"]
     memory["side"] = 1.0
@@ -86,7 +86,7 @@ def test_bank_beyond_the_largest_raises_the_last_one(onboard):
 
 def test_out_of_reach_the_reversal_takes_both_misses_into_account(onboard):
     """Rolling at 5 deg/s to an aim point 60 km too near: reversed sooner or later it ends farther."""
-    record, nav, out, memory = onboard[0], on_the_way(60.0), as_believed(), np.zeros(1, MEMORY)[0]
+    record, nav, out, memory = onboard[0], on_the_way(60.0), as_believed(), np.zeros(1, ENERGY_PLAN)[0]
     record["site"]["aim_latitude"] += 60e3 / record["planet"]["equatorial_radius"]
     entry = record["guidance"]["entry"]
     params, slowest = entry["fnpeg"], float(entry["align_speed"])
@@ -116,7 +116,7 @@ def low_and_slow(aside_deg):
 @pytest.mark.parametrize("aside_deg", [-1.0, -0.5, 0.0, 0.5, 1.0])
 def test_correction_of_a_reversal_brings_the_predicted_end_no_farther_aside(onboard, aside_deg):
     """Low down a late reversal does little: by its slope alone the last one would be made at once."""
-    record, nav, out, memory = onboard[0], low_and_slow(aside_deg), as_believed(), np.zeros(1, MEMORY)[0]
+    record, nav, out, memory = onboard[0], low_and_slow(aside_deg), as_believed(), np.zeros(1, ENERGY_PLAN)[0]
     params = record["guidance"]["entry"]["fnpeg"]
     slowest = float(record["guidance"]["entry"]["align_speed"])
     for side in (1.0, -1.0):
@@ -131,7 +131,7 @@ def test_correction_of_a_reversal_brings_the_predicted_end_no_farther_aside(onbo
 
 
 def test_next_reversal_stays_where_it_was_foreseen_and_where_it_still_does_something(onboard):
-    record, nav, memory = onboard[0], low_and_slow(0.0), np.zeros(1, MEMORY)[0]
+    record, nav, memory = onboard[0], low_and_slow(0.0), np.zeros(1, ENERGY_PLAN)[0]
     params = record["guidance"]["entry"]["fnpeg"]
     memory["side"], memory["left"], memory["turn"], memory["later"] = 1.0, 2, 1150.0, 990.0
     reverse_when_due(params, nav, memory, 660.0)

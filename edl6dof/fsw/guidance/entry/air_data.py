@@ -120,6 +120,13 @@ def drag_ratio_at(p, ratio, trend, climb):
 
 
 @kernel
+def air_velocity(onboard, nav):
+    """Velocity (m/s, N: north, east, down) through the air of the expected wind."""
+    to_north, to_east = expected_wind(onboard.atmosphere, nav.altitude)
+    return nav.v_N[0] - to_north, nav.v_N[1] - to_east, nav.v_N[2]
+
+
+@kernel
 def measure_air(onboard, nav, memory):
     """Update ``memory`` (``AIR_DATA``) by the accelerometer reading of this cycle."""
     p = onboard.guidance.entry.air_data
@@ -127,8 +134,7 @@ def measure_air(onboard, nav, memory):
     if memory.started == 0:
         start(p, nav.altitude, scale_height, nav.t, memory)
     area, lift_to_drag = believed_aero(onboard.vehicle, nav.mach, nav.speed)
-    to_north, to_east = expected_wind(onboard.atmosphere, nav.altitude)
-    north, east, down = nav.v_N[0] - to_north, nav.v_N[1] - to_east, nav.v_N[2]
+    north, east, down = air_velocity(onboard, nav)
     believed = 0.5 * density * (north * north + east * east + down * down) * area / onboard.vehicle.entry_mass
     share = 1.0 - exp(-max(nav.t - memory.t, 0.0) / p.lift_memory)
     memory.t = nav.t

@@ -53,30 +53,38 @@ def fixed_state(planet, nav):
 
 
 @kernel
-def velocity_in_air(atmosphere, r, v, height):
-    """Velocity (m/s, F) through the air of the expected mean wind, at ``height`` (m)."""
+def velocity_in_air(atmosphere, r, v, height, shift):
+    """Velocity (m/s, F) through the air of the expected mean wind at ``height`` (m), plus a ``shift`` of the
+    wind towards north and east (m/s).
+    """
     up = unit(r)
     across = max(sqrt(up[0] * up[0] + up[1] * up[1]), 1e-9)
     east = (-up[1] / across, up[0] / across, 0.0)
     to_north, to_east = expected_wind(atmosphere, height)
-    return sub(v, add(scale(to_east, east), scale(to_north, cross(up, east))))
+    return sub(v, add(scale(to_east + shift[1], east), scale(to_north + shift[0], cross(up, east))))
+
+
+#: Corrections of the onboard model: none.
+AS_BELIEVED = (1.0, 1.0, 0.0, 0.0)
 
 
 @kernel
-def acceleration(onboard, ratios, r, v, lift_shares):
+def acceleration(onboard, corrections, r, v, lift_shares):
     """Planet-relative acceleration (m/s2, F), the drag in it (m/s2) and the planet-relative Mach number.
 
-    Drag and lift-to-drag ratio are the believed ones times the two ``ratios``; ``lift_shares``: share of the
-    lift up and to the right, cosine and sine of a steady bank angle.
+    ``corrections``: factors on the believed drag and lift-to-drag ratio, and what is added to the expected
+    wind towards north and east (m/s); ``lift_shares``: share of the lift up and to the right, cosine and sine
+    of a steady bank angle.
     """
     planet, vehicle = onboard.planet, onboard.vehicle
     height = height_above_ellipsoid(planet, r)
     density, sound, _ = model_atmosphere(onboard.atmosphere, height)
-    through = velocity_in_air(onboard.atmosphere, r, v, height)
+    shift = corrections[2], corrections[3]
+    through = velocity_in_air(onboard.atmosphere, r, v, height, shift)
     air_speed, mach = max(norm(through), 1e-3), norm(v) / sound
     area, lift_to_drag = believed_aero(vehicle, mach, norm(v))
-    drag = ratios[0] * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
-    lift = ratios[1] * lift_to_drag * drag
+    drag = corrections[0] * 0.5 * density * air_speed * air_speed * area / vehicle.entry_mass
+    lift = corrections[1] * lift_to_drag * drag
     x = scale(1.0 / air_speed, through)
     right = unit(cross(x, r))
     a = sub(scale(lift * lift_shares[0], cross(right, x)), scale(drag, x))
@@ -86,19 +94,19 @@ def acceleration(onboard, ratios, r, v, lift_shares):
 
 
 @kernel
-def step(onboard, ratios, r, v, a, lift_shares, dt):
+def step(onboard, corrections, r, v, a, lift_shares, dt):
     """Position (m) and velocity (m/s) after ``dt`` (s) at constant lift, by one classical fourth-order
     Runge-Kutta step; ``a``: acceleration at its beginning (m/s2).
     """
     half = 0.5 * dt
     v2 = add(v, scale(half, a))
     r2 = add(r, scale(half, v))
-    a2, _, _ = acceleration(onboard, ratios, r2, v2, lift_shares)
+    a2, _, _ = acceleration(onboard, corrections, r2, v2, lift_shares)
     v3 = add(v, scale(half, a2))
     r3 = add(r, scale(half, v2))
-    a3, _, _ = acceleration(onboard, ratios, r3, v3, lift_shares)
+    a3, _, _ = acceleration(onboard, corrections, r3, v3, lift_shares)
     v4 = add(v, scale(dt, a3))
-    a4, _, _ = acceleration(onboard, ratios, add(r, scale(dt, v3)), v4, lift_shares)
+    a4, _, _ = acceleration(onboard, corrections, add(r, scale(dt, v3)), v4, lift_shares)
     sixth = dt / 6.0
     return (
         add(r, scale(sixth, add(add(v, v4), scale(2.0, add(v2, v3))))),
@@ -212,7 +220,7 @@ def predict(onboard, nav, out, plan):
     """Predict the flight from ``nav`` to the parachute with a bank plan.
 
     Drag and lift-to-drag ratio are those of the onboard model times the measured ratios in ``out``. The drag
-    ratio follows its trend with height.
+    ratio follows its trend with height; ``out`` also holds the shift of the wind from the expected one.
 
     Returns:
         downrange miss (m, positive beyond the aim point), crossrange miss (m, positive right of it), altitude
@@ -234,8 +242,8 @@ def predict(onboard, nav, out, plan):
     for _ in range(MAX_STEPS):
         height = height_above_ellipsoid(planet, r)
         of_drag = drag_ratio_at(entry.air_data, out.drag_ratio, out.drag_trend, height - height_here)
-        ratios = of_drag, out.lift_ratio
-        a, drag, mach = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
+        corrections = of_drag, out.lift_ratio, out.wind_shift_N[0], out.wind_shift_N[1]
+        a, drag, mach = acceleration(onboard, corrections, r, v, (lift_up, lift_right))
         end_speed = (
             entry.final_mach * speed / max(mach, 1e-3) if entry.final_mach > 0.0 else entry.final_speed
         )
@@ -258,9 +266,9 @@ def predict(onboard, nav, out, plan):
         bank, lift_up, lift_right = roll(bank, goal, entry.bank_rate, dt)
         if in_plane(plan):
             lift_right = 0.0
-        a, _, _ = acceleration(onboard, ratios, r, v, (lift_up, lift_right))
+        a, _, _ = acceleration(onboard, corrections, r, v, (lift_up, lift_right))
         r_old, excess_old = r, excess
-        r, v = step(onboard, ratios, r, v, a, lift_shares=(lift_up, lift_right), dt=dt)
+        r, v = step(onboard, corrections, r, v, a, lift_shares=(lift_up, lift_right), dt=dt)
         speed = norm(v)
         t += dt
     if excess < 0.0 < excess_old:

@@ -25,6 +25,7 @@ from edl6dof.fsw.guidance.entry.laws import (
     ftc_dob,
     npc,
     pd_dob,
+    stochastic_pc,
 )
 from edl6dof.fsw.guidance.entry.reversal.registry import STEERING, steer_bank
 from edl6dof.kernels import kernel
@@ -46,8 +47,12 @@ ENTRY_LAWS = Family(
         ftc_dob.MEMBER,
         pd_dob.MEMBER,
         adaptive_hinf.MEMBER,
+        stochastic_pc.MEMBER,
     ),
 )
+
+#: Laws that plan their reversals themselves, and fly them with the reversal logic ``own_sign``.
+OWN_REVERSALS = (fnpeg.MEMBER.name, stochastic_pc.MEMBER.name)
 
 ENTRY_MEMORY = record(("air", AIR_DATA), ("law", ENTRY_LAWS.memory), ("steering", STEERING))
 
