@@ -72,8 +72,8 @@ def test_promised_bounds_hold(nominal, figure, bound):
 def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(nominal):
     """S1 section 7: nearly 20 deg and nearly 15 deg/s, on the mean of neighbouring flights, two-sidedly.
 
-    The bound is that of the mark "outside" of ``edl6dof validate``.  The mean rate of 72 neighbours,
-    11.5 deg/s, is 2.0 sigma below the published one: with a bound of 2, chance would decide on twelve flights.
+    The bound is that of the mark "outside" of ``edl6dof validate``.  The mean rate of 72 neighbours is
+    11.5 deg/s, 2.0 sigma below the published one, so a bound of 2 would be met or not by chance.
     """
     published = nominal.scenario.published
     means = sample_means(fly_neighbours(nominal.loaded, 12), published)
