@@ -2,7 +2,8 @@
 
 The records are built by the compiled program and handed over byte for byte.  Plain Python reads them through
 :class:`Record`: numpy's own ``recarray`` will not do, because ``rates.base`` is an attribute of every numpy
-scalar.  Scalars are numpy's, so divisions follow the same rules as in compiled code.  About a thousand times
+scalar.  Scalars are numpy's, so divisions follow the same rules as in compiled code; squares are products
+(:mod:`squares`).  About a thousand times
 slower.
 """
 
@@ -17,6 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import squares
+
+if __name__ == "__main__":
+    squares.multiply("edl6dof")
 
 from edl6dof.fsw.onboard import FSW, ONBOARD
 from edl6dof.kernels.cache import SETTINGS

@@ -20,9 +20,7 @@ def meters(flight):
     return {one.instrument for one in flight.exclusions if one.component == "flow_meter"}
 
 
-@pytest.mark.parametrize(
-    ("branch", "phase"), [("A13", "powered_deceleration"), ("P34", "parachute"), ("F34", "lift")]
-)
+@pytest.mark.parametrize(("branch", "phase"), [("A13", "parachute"), ("P34", "parachute"), ("F34", "lift")])
 def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, phase):
     flight = fly("branch", "branch_dead", branch, phase)
     assert flight.success and meters(flight) == set()

@@ -112,7 +112,7 @@ def test_rays_end_on_the_ground_and_with_the_scan(flight, replay):
         for t, strips in zip(times, columns["LineStrips3D:strips"], strict=True)
         if strips
     ]
-    assert when["scan"] <= drawn[0][0] and drawn[-1][0] <= when["spot"]
+    assert when["scan"] - 1e-6 <= drawn[0][0] and drawn[-1][0] <= when["spot"] + 1e-6  # whole nanoseconds
     site = Site(flight.scenario)
     for _, strips in drawn:
         ends = strips[:, 1]
