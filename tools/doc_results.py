@@ -50,9 +50,12 @@ class Result(NamedTuple):
 
 
 def golden_hashes() -> dict[str, dict[str, str]]:
-    """Hashes of each golden flight, by its name."""
+    """Hashes of each golden flight, by its name, without those of the parameters on board."""
     found: dict[str, dict[str, str]] = json.loads(_GOLDEN.read_text(encoding="utf-8"))
-    return found
+    return {
+        name: {key: value for key, value in parts.items() if not key.startswith("onboard.")}
+        for name, parts in found.items()
+    }
 
 
 def flights_hash(names: str) -> str:
@@ -63,11 +66,7 @@ def flights_hash(names: str) -> str:
     """
     golden = golden_hashes()
     chosen = golden if names == "all" else {name: golden[name] for name in names.split(", ")}
-    flown = {
-        name: {key: value for key, value in parts.items() if not key.startswith("onboard.")}
-        for name, parts in chosen.items()
-    }
-    return hashlib.sha256(json.dumps(flown, sort_keys=True).encode()).hexdigest()[:8]
+    return hashlib.sha256(json.dumps(chosen, sort_keys=True).encode()).hexdigest()[:8]
 
 
 def pages() -> list[Path]:
