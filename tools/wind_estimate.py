@@ -1,6 +1,6 @@
 """Angle of attack at mortar fire, and error of the estimated wind there, in winds that nobody expects.
 
-    python tools/wind_estimate.py [--flights 1000] [--seed 7] [--mission tianwen1] [--set PATH=VALUE ...]
+    python tools/wind_estimate.py [--flights 1000] [--seed 7311] [--mission tianwen1] [--set PATH=VALUE ...]
 
 Flights of the mission's campaign in a constant wind of 0 to 60 m/s from any direction, with gusts and density
 waves.

@@ -27,6 +27,13 @@ def test_all_thrusters_of_a_dead_branch_are_named_and_its_meter_is_not(branch, p
     assert {one.thruster for one in flight.isolated_faults} == THRUSTERS[branch]
 
 
+def test_the_thruster_of_a_dead_branch_that_is_used_is_named_and_its_meter_is_not():
+    """Under power the branch A13 is hardly used once A3 is out."""
+    flight = fly("branch", "branch_dead", "A13", "powered_deceleration")
+    assert flight.success and meters(flight) == set()
+    assert {"A3"} <= {one.thruster for one in flight.isolated_faults} <= THRUSTERS["A13"]
+
+
 @pytest.mark.parametrize(
     ("kind", "branch", "phase", "seed"),
     [

@@ -72,15 +72,16 @@ def test_promised_bounds_hold(nominal, figure, bound):
 def test_backshell_avoidance_turns_the_thrust_as_far_and_as_fast_as_published(nominal):
     """S1 section 7: nearly 20 deg and nearly 15 deg/s, on the mean of neighbouring flights, two-sidedly.
 
-    The bound is that of the mark "outside" of ``edl6dof validate``.  The mean rate of 72 neighbours is
-    11.5 deg/s, 2.0 sigma below the published one, so a bound of 2 would be met or not by chance.
+    The rate is not reached: the mean of 72 neighbours, 11.5 deg/s, lies 2.0 sigma below the published one.
+    Its bound is that of the mark "outside" of ``edl6dof validate``: with 2 sigma, chance would decide.
     """
+    bounds = {"max_attitude_error_powered_deg": 2.0, "max_rate_powered_deg_s": 3.0}
     published = nominal.scenario.published
     means = sample_means(fly_neighbours(nominal.loaded, 12), published)
     for figure, flown in published_figures(published):
-        if figure.name in ("max_attitude_error_powered_deg", "max_rate_powered_deg_s"):
+        if figure.name in bounds:
             mean = means[figure.name]
-            assert abs(flown.sigmas(mean.mean, mean.deviation)) < 3.0, figure.name
+            assert abs(flown.sigmas(mean.mean, mean.deviation)) < bounds[figure.name], figure.name
 
 
 def test_divert_begins_at_ignition_and_is_over_when_imaging_begins(nominal):

@@ -30,7 +30,7 @@ def film(
     progress: Callable[[int, int], None],
     size: tuple[int, int] = SIZE,
 ) -> None:
-    """Write a film of the flight; ``progress`` is called after each frame with the counts done and in all.
+    """Write a film of the flight; ``progress`` is called after each scene with the counts drawn and in all.
 
     Raises:
         NoFilm: a library or the encoder is missing, or the encoder ended with an error.

@@ -83,9 +83,7 @@ class Stage:
         self.plotter: pyvista.Plotter = self.pv.Plotter(off_screen=True, window_size=size, lighting="none")
         self.plotter.set_background("black")
         self.plotter.disable_anti_aliasing()
-        self.plotter.renderer.SetUseOIT(
-            False
-        )  # it draws a second picture; layers of gas differ little in colour
+        self.plotter.renderer.SetUseOIT(False)  # layers of gas differ little in colour: no second picture
         self.plotter.remove_all_lights()
         sun = 1e3 * motion.site.light
         self.plotter.add_light(self.pv.Light(position=sun, focal_point=(0, 0, 0), intensity=0.8))
@@ -120,7 +118,10 @@ class Stage:
         )
 
     def draw(self, view: View, height_m: float) -> np.ndarray:
-        """Return the scene from the bottom up, shape (height, width, 3), uint8, seen from a height (m)."""
+        """Return a picture of the scene, rows from the bottom, shape (height, width, 3), uint8.
+
+        ``height_m``: of the vehicle.
+        """
         camera = self.plotter.camera
         camera.position, camera.focal_point, camera.up = view.eye, view.aim, view.up
         camera.view_angle = view.field_deg

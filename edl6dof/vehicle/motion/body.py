@@ -34,13 +34,11 @@ from edl6dof.vehicle.motion.point_mass import POINT_MASS, point_attitude, point_
 from edl6dof.vehicle.parachutes.parachute import (
     EXTRACTING,
     INFLATING,
-    SLACK,
-    TAUT,
     apparent_mass,
     canopy_force,
     confluence,
     inflation,
-    riser_pull,
+    riser_tension,
 )
 from edl6dof.vehicle.plant import (
     ATTITUDE,
@@ -122,10 +120,8 @@ def riser_loads(case, tables, plant, t, rotation, y, q, w, centre):
     line = scale(1.0 / distance, line)
     v_canopy = take3(y, CANOPY_VELOCITY)
     packed = case.vehicle.parts[case.suspension[plant.parachute].pack].mass
-    tension, margin = riser_pull(chute, packed, distance, dot(sub(v_canopy, confluence_v), line))
-    held = plant.inputs.riser
-    if held == SLACK or (held != TAUT and margin <= 0.0):
-        tension = 0.0
+    rate = dot(sub(v_canopy, confluence_v), line)
+    tension, margin = riser_tension(chute, packed, distance, rate, held=plant.inputs.riser)
     fraction = 0.0
     if plant.canopy == INFLATING:
         filled = inflation(chute, t - plant.line_stretch_time[plant.parachute])

@@ -227,21 +227,18 @@ def apparent_mass(chute, density, fraction):
 
 
 @kernel
-def riser_pull(chute, canopy_mass, distance, stretch_rate):
-    """Pull (N) of spring and damper in lines and riser, and its margin (m), which is positive while they are
-    taut: when slack they would push, or are too short to reach.
+def riser_tension(chute, canopy_mass, distance, stretch_rate, held):
+    """Tension (N) of lines and riser, and its margin (m): positive while spring and damper pull, negative
+    where they would push or are too short to reach.  ``held``: taut or slack whatever the margin, or
+    ``BY_STRETCH``.
     """
     stretch = distance - chute.line_length
     damping = 2.0 * chute.damping_ratio * sqrt(chute.stiffness * canopy_mass)
-    pull = chute.stiffness * stretch + damping * stretch_rate
-    return pull, min(stretch, pull / chute.stiffness)
-
-
-@kernel
-def riser_tension(chute, canopy_mass, distance, stretch_rate):
-    """Tension (N) of lines and riser: zero when slack, never a push."""
-    pull, margin = riser_pull(chute, canopy_mass, distance, stretch_rate)
-    return pull if margin > 0.0 else 0.0
+    tension = chute.stiffness * stretch + damping * stretch_rate
+    margin = min(stretch, tension / chute.stiffness)
+    if held == SLACK or (held == BY_STRETCH and margin <= 0.0):
+        tension = 0.0
+    return tension, margin
 
 
 @kernel

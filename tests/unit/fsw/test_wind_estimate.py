@@ -86,10 +86,10 @@ NORMALS = np.array([port.axis for port in cross_of_ports()])
 STATIC, STAGNATION = 30.0, 900.0  # Pa
 
 
-def pressures(flow):
+def pressures(flow, static=STATIC):
     """Modified Newtonian pressures at the ports for a flow with the components (1, v, w), Pa."""
     towards = np.array([1.0, *flow]) / np.linalg.norm([1.0, *flow])
-    return STATIC + STAGNATION * (NORMALS @ towards) ** 2
+    return static + STAGNATION * (NORMALS @ towards) ** 2
 
 
 def with_ports(record):
@@ -113,6 +113,14 @@ def test_ports_show_the_flow(flow, static):
         for _ in range(800)
     ]
     assert np.std(off, axis=0) == pytest.approx(np.sqrt(variance), rel=0.12)  # 5 sigma of the sample
+
+
+@pytest.mark.parametrize("mach, share", [(1.7, 0.10), (3.0, 0.03)])
+def test_an_error_of_the_static_pressure_changes_the_shown_angle(mach, share):
+    """30 % of error; q Cp_max is the stagnation pressure above the static one, Cp_max 1.85."""
+    instruments, static = with_ports(np.zeros(1, INSTRUMENTS)[0]), 2.0 * STAGNATION / (1.85 * 1.3 * mach**2)
+    shown, _, _ = flow_at_ports(instruments, pressures((0.0, 0.1), static), 1.3 * static, (1.0, 0.0, 0.1))
+    assert shown[1] / 0.1 - 1.0 == pytest.approx(share, abs=0.005)
 
 
 def test_ports_without_pressure_show_nothing():

@@ -10,7 +10,13 @@ from scipy.spatial.transform import Rotation
 from edl6dof.config.dtype import fill
 from edl6dof.config.errors import ConfigError
 from edl6dof.scenario.loading import load_scenario
-from edl6dof.vehicle.parachutes.parachute import PARACHUTE_PARAMS, ParachuteParams, confluence, riser_tension
+from edl6dof.vehicle.parachutes.parachute import (
+    BY_STRETCH,
+    PARACHUTE_PARAMS,
+    ParachuteParams,
+    confluence,
+    riser_tension,
+)
 
 MEETING = np.array([-3.9, 0.0, -0.034])
 ATTACHMENTS = np.array([[-2.5, 0.6, 0.0], [-2.5, -0.3, 0.52], [-2.5, -0.3, -0.52]])
@@ -102,7 +108,7 @@ def test_the_torque_is_the_slope_of_the_elastic_energy(angle_deg, roll_deg):
     where = np.array(confluence(chute(), tuple(canopy)))
     line = canopy - where
     distance = np.linalg.norm(line)
-    torque = np.cross(where, riser_tension(chute(), 38.0, distance, 0.0) * line / distance)
+    torque = np.cross(where, riser_tension(chute(), 38.0, distance, 0.0, BY_STRETCH)[0] * line / distance)
     slopes = [
         -(energy(step * axis, canopy) - energy(-step * axis, canopy)) / (2.0 * step) for axis in np.eye(3)
     ]

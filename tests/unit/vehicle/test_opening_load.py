@@ -36,7 +36,7 @@ def opening(diameter, mass, packed, mach, pressure, vehicle_area, stiffness):
     density = 2.0 * pressure / speed**2
 
     def motion(t, y):
-        tension = kernels.riser_tension(chute, packed, y[0] - y[2], y[1] - y[3])
+        tension, _ = kernels.riser_tension(chute, packed, y[0] - y[2], y[1] - y[3], kernels.BY_STRETCH)
         share = kernels.inflation(chute, t)
         axis, v_air = (1.0, 0.0, 0.0), (y[3], 0.0, 0.0)
         pull = kernels.canopy_force(chute, share, density, y[3] / SOUND, t, v_air, axis)[0]
