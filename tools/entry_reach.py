@@ -163,7 +163,7 @@ def main() -> None:
     parser.add_argument("--entries", type=int, default=100)
     parser.add_argument("--seed", type=int, default=4402)
     parser.add_argument("--wind", type=float, default=0.0)
-    parser.add_argument("--laws", nargs="+", default=["fnpeg", "etpc"])
+    parser.add_argument("--laws", nargs="+", default=["fnpeg", "stochastic_pc", "etpc"])
     given = parser.parse_args()
     vehicle = next(one for one in VEHICLES if one.name == given.mission)
     cases, limit = drawn(vehicle, given.entries, given.seed, given.wind), WINDY_KM if given.wind else CALM_KM
