@@ -6,7 +6,7 @@ unexpected shape contradicts ranges, but not speeds. A look in which most beams 
 the solution is wrong, or dust hides the ground from all beams. The score of a reading rises by one when it is
 refused and falls by one when it is not; at the limit the reading is excluded, and after a long agreement with
 the filter it is used again. A beam without an echo in many looks in a row, while most others have one, is
-excluded as well.
+excluded as well, once the vehicle has moved on: a steep slope returns no echo, however often it is looked at.
 
 The log lists, in the order of time, each instrument that is excluded or used again by ``INSTRUMENT_HEALTH``,
 and the inertial unit as out of use while too few gyros are in range for the rate.
@@ -23,7 +23,7 @@ from edl6dof.kernels import kernel
 from edl6dof.records import COUNT, FLAG, record, whole
 from edl6dof.spatial.elementary import cos
 from edl6dof.spatial.quaternion import to_frame
-from edl6dof.spatial.vector import dot, scale, take3, take4, unit
+from edl6dof.spatial.vector import cross, dot, norm, scale, sub, take3, take4, unit
 
 
 class BeamWatchParams(Params):
@@ -37,6 +37,9 @@ class BeamWatchParams(Params):
         30, "consecutive looks without an echo, while at least half of the beams have one, that "
 "exclude a beam", ge=1, le=10000
     )  # fmt: skip
+    silent_path_m: float = param(
+        30.0, "least path of the vehicle in these looks", status="estimate", ge=0.0, le=1e5
+    )
     silent_angle_deg: float = param(
         45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
     )
@@ -48,21 +51,34 @@ class BeamWatchParams(Params):
 _SCORES = record(
     ("refused", COUNT, (MAX_BEAMS,)),  # score
     ("silent", COUNT, (MAX_BEAMS,)),  # looks in a row
+    ("silent_m", "f8", (MAX_BEAMS,)),  # m: path over the ground in these looks
     ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
 )
-BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES))
+BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES), ("t", "f8"))  # s: time of the last look
 
 
 @kernel
-def watch_beams(params, instruments, radar, solution, health, memory):
+def watch_beams(params, planet, instruments, radar, solution, health, memory):
     """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
     if params.enabled != 0 and solution.looked != 0:
-        count, due = instruments.n_beams, steep_beams(params, instruments, solution)
-        locked = locked_beams(radar, count)
+        echoes = locked_beams(radar, instruments.n_beams), steep_beams(params, instruments, solution)
+        path = (solution.t - memory.t) * ground_speed(planet, solution)
+        memory.t = solution.t
         refused = solution.ranges_refused
-        watch_readings(params, count, locked, due, refused, healthy=health.beam_range, memory=memory.range)
+        watch_readings(
+            params, instruments.n_beams, echoes, refused, path, healthy=health.beam_range, memory=memory.range
+        )
         refused = solution.speeds_refused
-        watch_readings(params, count, locked, due, refused, healthy=health.beam_speed, memory=memory.speed)
+        watch_readings(
+            params, instruments.n_beams, echoes, refused, path, healthy=health.beam_speed, memory=memory.speed
+        )
+
+
+@kernel
+def ground_speed(planet, solution):
+    """Speed (m/s) of the solution relative to the planet."""
+    r, v = take3(solution.r_I, 0), take3(solution.v_I, 0)
+    return norm(sub(v, cross((0.0, 0.0, planet.rotation_rate), r)))
 
 
 @kernel
@@ -78,27 +94,33 @@ def steep_beams(params, instruments, solution):
 
 
 @kernel
-def watch_readings(params, n_beams, locked, due, refused, healthy, memory):
-    """Exclude ranges or speeds, or use them again. ``locked``: beams with an echo, ``due``: beams with an
-    expected echo, ``refused``: beams refused by the filter, a bit for each; ``healthy``: flags, updated.
+def watch_readings(params, n_beams, echoes, refused, path, healthy, memory):
+    """Exclude ranges or speeds, or use them again. ``echoes``: beams with an echo and beams with an expected
+    echo, ``refused``: beams refused by the filter, a bit for each; ``path``: path over the ground since the
+    last look, m; ``healthy``: flags, updated.
     """
-    echoes = against = 0
+    locked, due = echoes
+    with_echo = against = 0
     for i in range(n_beams):
-        echoes += locked >> i & 1
+        with_echo += locked >> i & 1
         against += refused >> i & 1
-    few_refused, few_silent = 2 * against <= echoes and echoes > 2, 2 * echoes >= n_beams
+    few_refused, few_silent = 2 * against <= with_echo and with_echo > 2, 2 * with_echo >= n_beams
     for i in range(n_beams):
+        if locked >> i & 1 == 0 and few_silent and due >> i & 1:
+            memory.silent[i] += 1
+            memory.silent_m[i] += path
+        else:
+            memory.silent[i], memory.silent_m[i] = 0, 0.0
         if locked >> i & 1 == 0:
             memory.agreed[i] = 0
-            memory.silent[i] = memory.silent[i] + 1 if few_silent and due >> i & 1 else 0
         elif refused >> i & 1:
-            memory.silent[i] = memory.agreed[i] = 0
+            memory.agreed[i] = 0
             memory.refused[i] += 1 if few_refused else 0
         else:
-            memory.silent[i] = 0
             memory.refused[i] = max(memory.refused[i] - 1, 0)
             memory.agreed[i] += 1
-        if memory.refused[i] >= params.refused_looks or memory.silent[i] >= params.silent_looks:
+        silent = memory.silent[i] >= params.silent_looks and memory.silent_m[i] >= params.silent_path
+        if memory.refused[i] >= params.refused_looks or silent:
             healthy[i] = 0
             memory.refused[i] = memory.agreed[i] = 0
         elif healthy[i] == 0 and memory.agreed[i] >= params.agreed_looks:

@@ -120,7 +120,15 @@ def watch(onboard, sensed, memory):
     """Exclude beams that have failed, and log all exclusions."""
     params, motion, solution = onboard.navigation, memory.motion, memory.solution
     health, instruments = memory.health, onboard.instruments
-    watch_beams(params.beam_watch, instruments, sensed.radar, solution, health, memory=memory.beam_watch)
+    watch_beams(
+        params.beam_watch,
+        onboard.planet,
+        instruments,
+        sensed.radar,
+        solution,
+        health=health,
+        memory=memory.beam_watch,
+    )
     note_changes(instruments, sensed.t, health, motion, memory.exclusions)
 
 

@@ -1,5 +1,7 @@
 """Beams and flags of saturation that are watched: who goes, who stays, who comes back."""
 
+from collections import namedtuple
+
 import numpy as np
 import pytest
 
@@ -19,6 +21,8 @@ from edl6dof.fsw.navigation.redundancy import exclude_stale_flags
 from edl6dof.fsw.navigation.solution import INSTRUMENT_HEALTH, MOTION, SOLUTION
 from edl6dof.interface.sensed import RADAR
 
+Planet = namedtuple("Planet", "rotation_rate")
+
 
 def filled(model):
     record = np.zeros(1, dtype_of(type(model)))
@@ -34,28 +38,32 @@ def healthy():
 
 
 class Beams:
-    """Four beams and what the filter made of them."""
+    """Four beams that move over the ground, and what the filter made of them. A look takes 50 ms."""
 
-    def __init__(self, **changed):
+    def __init__(self, speed=100.0, **changed):
         self.params = filled(BeamWatchParams(refused_looks=10, silent_looks=20, agreed_looks=30, **changed))
         self.radar, self.solution = np.zeros(1, RADAR), np.zeros(1, SOLUTION)
         self.health, self.memory = healthy(), np.zeros(1, BEAM_WATCH)
         self.instruments = np.zeros(1, INSTRUMENTS)
         self.instruments["n_beams"], self.instruments["beam_axis"][0, :4] = 4, (1.0, 0.0, 0.0)
         self.solution["r_I"], self.solution["q_I2B"] = (-3.4e6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+        self.planet = Planet(rotation_rate=7e-5)
+        self.solution["v_I"] = 0.0, -3.4e6 * 7e-5, speed
 
     def look(self, times, refused=(), silent=(), looked=1):
         self.solution["looked"] = looked
         self.solution["ranges_refused"] = self.solution["speeds_refused"] = sum(1 << i for i in refused)
         self.radar["locked"][0, :4] = [i not in silent for i in range(4)]
         for _ in range(times):
+            self.solution["t"] += 0.05
             watch_beams(
                 self.params,
+                self.planet,
                 self.instruments[0],
                 self.radar[0],
                 self.solution[0],
-                self.health[0],
-                self.memory[0],
+                health=self.health[0],
+                memory=self.memory[0],
             )
         out = [[i for i in range(4) if not self.health[name][0, i]] for name in ("beam_range", "beam_speed")]
         assert out[0] == out[1]
@@ -89,11 +97,12 @@ def test_a_range_that_is_refused_leaves_the_speed_in_use_and_the_reverse():
         for _ in range(10):
             watch_beams(
                 beams.params,
+                beams.planet,
                 beams.instruments[0],
                 beams.radar[0],
                 beams.solution[0],
-                beams.health[0],
-                beams.memory[0],
+                health=beams.health[0],
+                memory=beams.memory[0],
             )
         assert list(beams.health[f"beam_{wrong}"][0, :4]) == [1, 1, 0, 1]
         assert list(beams.health[f"beam_{sound}"][0, :4]) == [1, 1, 1, 1]
@@ -109,6 +118,17 @@ def test_a_beam_without_echo_is_excluded_unless_most_have_none():
     assert beams.look(19, silent=[3]) == beams.look(1) == []
     assert beams.look(20, silent=[3]) == [3]
     assert Beams().look(1000, silent=[1, 2, 3]) == []
+
+
+def test_a_beam_over_one_steep_slope_is_silent_and_healthy():
+    """In hover all looks are at the same slope; then 30 m of path tell a failed beam, at 5 m/s 120 looks."""
+    assert Beams(speed=0.0).look(1000, silent=[3]) == []
+    beams = Beams(speed=5.0)
+    assert beams.look(119, silent=[3]) == []
+    assert beams.look(2, silent=[3]) == [3]
+    beams = Beams(speed=5.0)
+    for _ in range(10):
+        assert beams.look(100, silent=[3]) == beams.look(1) == []
 
 
 @pytest.mark.parametrize(("angle_deg", "excluded"), [(44.0, [3]), (46.0, [])])
