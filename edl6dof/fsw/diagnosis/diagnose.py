@@ -44,10 +44,11 @@ from edl6dof.fsw.diagnosis.leak_isolation import (
     METER_FAILED,
     NAMED,
     branch_to_verify,
+    end_test,
     leaking_branch,
-    reopen_branch,
     start_leak_isolation,
     step_leak_isolation,
+    test_others,
 )
 from edl6dof.fsw.diagnosis.openings import suspect_leak
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, is_settled, restart_residual, whiten
@@ -235,15 +236,13 @@ def continue_leak_isolation(params, signals, memory):
     leak, best, vehicle = memory.leak, memory.hypotheses, signals.vehicle
     found, confidence = step_leak_isolation(params, signals, memory.flow, memory.residual, leak)
     if found == NAMED:
+        end_test(vehicle, vehicle.branches.of[leak.best], leak, signals.healthy)
         record_fault(vehicle, leak.best, STUCK_ON, 0.0, confidence, t=signals.t, memory=memory)
-        leak.branch = NONE
     elif found == METER_FAILED:
-        reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
         exclude_meter(leak.branch, signals.t, memory)
-        leak.branch = NONE
+        end_test(vehicle, NONE, leak, signals.healthy)
     elif found == HEALTHY:
-        reopen_branch(vehicle.n_thrusters, leak, signals.healthy)
-        leak.branch = NONE
+        end_test(vehicle, NONE, leak, signals.healthy)
         memory.streak = 0
         # not suspected of leaking, or voided by an event
         if leak.metered == 0 and (best.kind == STUCK_OFF or best.kind == DEGRADED):
@@ -314,6 +313,8 @@ def diagnose(params, signals, memory):
         no_loss = best.kind == STUCK_ON or best.kind == NOTHING
         doubt, flowing = 1.5 * params.prior if no_loss else 0.0, flow.residual[leaking]
         start_leak_isolation(signals, leaking, metered_leak, flowing, doubt=doubt, memory=memory.leak)
+        if not metered_leak:
+            test_others(params, signals, residual, flow, memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and settled:

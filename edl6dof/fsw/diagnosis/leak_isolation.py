@@ -12,7 +12,8 @@ is if the meter reads none while the branch is open, as when a slow valve has sh
 Without a meter, a leak is suspected when force and torque show that a valve opens, and of any thruster that
 does not respond; the branch is used again if nothing changes when it is closed. Where a shock (a separation,
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
-would show a leak, unless its thrusters respond to commands before that.
+would show a leak, unless its thrusters respond to commands before that. All branches that can be verified
+are closed and opened together: a single valve leaks, and force and torque tell which.
 
 A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not
 exclude it: the likelihood of a look is the mean of those of "open" and "shut". No look counts for more than
@@ -65,9 +66,10 @@ MOST_LOOKS = 20  # looks after which a leak that a meter shows is named, and any
 SUPPORT = 1.0  # evidence of looks above which they support a leak; in a large disturbance chance gives less
 
 LEAK = record(
-    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # NONE: no leak is being isolated
+    ("branch", whole(NONE, MAX_BRANCHES - 1)),  # under suspicion; NONE: no leak is being isolated
+    ("tested", FLAG, (MAX_BRANCHES,)),  # this branch, and those that are closed and opened with it
     ("latch_closed", FLAG, (MAX_BRANCHES,)),  # branches whose latch valve is to be closed
-    ("candidate", FLAG, (MAX_THRUSTERS,)),  # thrusters of the branch that were in use
+    ("candidate", FLAG, (MAX_THRUSTERS,)),  # thrusters of these branches that were in use
     ("metered", FLAG),  # a meter shows that one of them leaks
     ("doubt", "f8"),  # without a meter, log prior odds that none leaks
     ("size", "f8", (MAX_THRUSTERS,)),  # thrust of each if it leaks, share of the full thrust
@@ -126,6 +128,13 @@ def would_decide(params, signals, residual, b):
 
 
 @kernel
+def is_unverified(signals, i, flow, memory):
+    """Return whether the valve of thruster ``i``, without a meter, may have opened without being seen."""
+    unmetered = not is_read(signals.metered, signals.vehicle.branches.of[i], flow)
+    return memory.unverified[i] != 0 and signals.healthy[i] != 0 and unmetered
+
+
+@kernel
 def branch_to_verify(params, signals, residual, flow, memory):
     """Return the branch of the next thruster without a meter whose valve may have opened without being seen,
     if the latch valve would decide that now, or ``NONE``. Thrusters in use have time to respond before that;
@@ -134,15 +143,13 @@ def branch_to_verify(params, signals, residual, flow, memory):
     count = signals.vehicle.n_thrusters
     for _ in range(count):
         memory.next = (memory.next + 1) % count
-        if memory.unverified[memory.next] != 0 and signals.healthy[memory.next] != 0:
+        if is_unverified(signals, memory.next, flow, memory):
             break
     i, b = memory.next, signals.vehicle.branches.of[memory.next]
-    known = memory.unverified[i] == 0 or signals.healthy[i] == 0 or is_read(signals.metered, b, flow)
-    if known or changes(WINDOW, residual) and not changes(1, residual):  # an opening, still to be evaluated
+    opening = changes(WINDOW, residual) and not changes(1, residual)  # still to be evaluated
+    if opening or not is_unverified(signals, i, flow, memory) or fires_mostly(i, residual):
         return NONE
     if residual.taken - memory.unverified[i] < PATIENCE and is_commanded(b, signals.vehicle, residual):
-        return NONE
-    if fires_mostly(i, residual):
         return NONE
     return b if would_decide(params, signals, residual, b) else NONE
 
@@ -152,21 +159,39 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
     """Take branch ``b`` out of use to isolate a leak, and close it if its meter shows the leak (``metered``),
     of the flow ``leak`` (kg/s); ``doubt``: otherwise the log prior odds that no thruster leaks.
     """
-    vehicle, healthy = signals.vehicle, signals.healthy
     memory.metered, memory.doubt = 1 if metered else 0, doubt
     memory.branch, memory.looks, memory.flow = b, 0, 0.0
     memory.open, memory.cycles = 0 if metered else 1, 0 if metered else MIXED + LOOK
     memory.found[:] = memory.random[:] = 0.0
-    for i in range(vehicle.n_thrusters):
-        forget(memory.sums[i])
-        on_branch = vehicle.branches.of[i] == b
-        memory.candidate[i] = 1 if on_branch and healthy[i] != 0 else 0
-        memory.size[i] = min(leak / full_flow(vehicle.thrusters[i]), 1.0) if metered else 1.0
-        if on_branch:
-            healthy[i] = 0
-    memory.latch_closed[b] = 1 - memory.open
+    memory.candidate[:] = memory.tested[:] = 0
     for j in range(TAPS):
         memory.level[j] = memory.open
+    test_branch(signals, b, leak, memory)
+
+
+@kernel
+def test_branch(signals, b, leak, memory):
+    """Take branch ``b`` out of use, to close and to open it; ``leak``: its flow if a meter shows it, kg/s."""
+    vehicle = signals.vehicle
+    memory.tested[b], memory.latch_closed[b] = 1, 1 - memory.open
+    for i in range(vehicle.n_thrusters):
+        if vehicle.branches.of[i] == b:
+            forget(memory.sums[i])
+            memory.candidate[i], signals.healthy[i] = signals.healthy[i], 0
+            memory.size[i] = min(leak / full_flow(vehicle.thrusters[i]), 1.0) if memory.metered != 0 else 1.0
+
+
+@kernel
+def test_others(params, signals, residual, flow, memory):
+    """Test with the branch under suspicion all others at rest that are to be verified and would be decided:
+    only one valve leaks, and the forces and torques of the thrusters differ.
+    """
+    vehicle = signals.vehicle
+    for i in range(vehicle.n_thrusters):
+        b = vehicle.branches.of[i]
+        at_rest = is_unverified(signals, i, flow, memory) and not is_commanded(b, vehicle, residual)
+        if at_rest and would_decide(params, signals, residual, b):
+            test_branch(signals, b, 0.0, memory)
 
 
 @kernel
@@ -239,6 +264,8 @@ def most_probable(params, count, memory):
     for i in range(count):
         if memory.candidate[i] != 0:
             found = end_look(params, i, memory)
+            if memory.metered == 0 and exp(found) < 1.0 - params.confidence:
+                memory.unverified[i] = 0
             if found > most:
                 total = total * exp(most - found) + 1.0
                 memory.best, most = i, found
@@ -253,11 +280,12 @@ def most_probable(params, count, memory):
 def is_in_vain(params, signals, residual, most, memory):
     """Return whether to stop without a decision, where no meter shows the leak: when the disturbance has
     become too large for a suspicion that the looks do not support, or after many looks. ``most``: evidence
-    for the best candidate. The thrusters of the branch stay unverified.
+    for the best candidate. The thrusters that are not excluded stay unverified.
     """
     if most > SUPPORT:
         return memory.looks >= 2 * MOST_LOOKS
-    too_noisy = memory.doubt > 0.0 and not would_decide(params, signals, residual, memory.branch)
+    branch = signals.vehicle.branches.of[memory.best]
+    too_noisy = memory.doubt > 0.0 and not would_decide(params, signals, residual, branch)
     return too_noisy or memory.looks >= MOST_LOOKS
 
 
@@ -289,29 +317,31 @@ def step_leak_isolation(params, signals, flow, residual, memory):
             memory.looks += 1  # of those while forces change none is the last
         most, confidence = most_probable(params, count, memory)
         if memory.metered == 0 and exp(most) < 1.0 - params.confidence:
-            for i in range(count):
-                if memory.candidate[i] != 0:
-                    memory.unverified[i] = 0
             return HEALTHY, confidence
         sure, least = confidence >= params.confidence, LEAST_LOOKS - memory.metered
         if memory.metered == 0 and not sure and is_in_vain(params, signals, residual, most, memory):
             return HEALTHY, confidence
         if sure and memory.looks >= least or memory.metered != 0 and memory.looks >= MOST_LOOKS:
-            memory.open = 0
-            memory.latch_closed[b] = 1
             return NAMED, confidence
-    if memory.cycles >= MIXED + LOOK + 2 * (memory.looks % 3):
+    if memory.cycles >= MIXED + LOOK + memory.looks % 3:
         memory.open = 1 - memory.open
-        memory.latch_closed[b] = 1 - memory.open
+        for k in range(MAX_BRANCHES):
+            if memory.tested[k] != 0:
+                memory.latch_closed[k] = 1 - memory.open
         memory.flow, memory.cycles = 0.0, 0
     presume_leak(signals, residual, memory)
     return UNDER_WAY, 0.0
 
 
 @kernel
-def reopen_branch(count, memory, healthy):
-    """Open the latch valve of the branch, and use its candidates again."""
-    memory.latch_closed[memory.branch] = 0
-    for i in range(count):
-        if memory.candidate[i] != 0:
+def end_test(vehicle, shut, memory, healthy):
+    """Open the latch valves of the tested branches, and use their candidates again; only branch ``shut`` (or
+    ``NONE``) is closed and stays out of use.
+    """
+    for b in range(MAX_BRANCHES):
+        if memory.tested[b] != 0:
+            memory.latch_closed[b] = 1 if b == shut else 0
+    for i in range(vehicle.n_thrusters):
+        if memory.candidate[i] != 0 and vehicle.branches.of[i] != shut:
             healthy[i] = 1
+    memory.branch = NONE
