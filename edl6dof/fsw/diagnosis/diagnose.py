@@ -48,7 +48,7 @@ from edl6dof.fsw.diagnosis.leak_isolation import (
     leaking_branch,
     start_leak_isolation,
     step_leak_isolation,
-    test_others,
+    take_others,
 )
 from edl6dof.fsw.diagnosis.openings import suspect_leak
 from edl6dof.fsw.diagnosis.residual import RESIDUAL, is_settled, restart_residual, whiten
@@ -314,7 +314,7 @@ def diagnose(params, signals, memory):
         doubt, flowing = 1.5 * params.prior if no_loss else 0.0, flow.residual[leaking]
         start_leak_isolation(signals, leaking, metered_leak, flowing, doubt=doubt, memory=memory.leak)
         if not metered_leak:
-            test_others(params, signals, residual, flow, memory.leak)
+            take_others(params, signals, residual, flow, memory.leak)
     elif memory.streak >= params.streak:
         isolate_most_probable(params, signals, memory)
     elif best.meter != NONE and settled:

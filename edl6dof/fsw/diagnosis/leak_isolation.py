@@ -166,11 +166,11 @@ def start_leak_isolation(signals, b, metered, leak, doubt, memory):
     memory.candidate[:] = memory.tested[:] = 0
     for j in range(TAPS):
         memory.level[j] = memory.open
-    test_branch(signals, b, leak, memory)
+    take_branch(signals, b, leak, memory)
 
 
 @kernel
-def test_branch(signals, b, leak, memory):
+def take_branch(signals, b, leak, memory):
     """Take branch ``b`` out of use, to close and to open it; ``leak``: its flow if a meter shows it, kg/s."""
     vehicle = signals.vehicle
     memory.tested[b], memory.latch_closed[b] = 1, 1 - memory.open
@@ -182,7 +182,7 @@ def test_branch(signals, b, leak, memory):
 
 
 @kernel
-def test_others(params, signals, residual, flow, memory):
+def take_others(params, signals, residual, flow, memory):
     """Test with the branch under suspicion all others at rest that are to be verified and would be decided:
     only one valve leaks, and the forces and torques of the thrusters differ.
     """
@@ -191,7 +191,7 @@ def test_others(params, signals, residual, flow, memory):
         b = vehicle.branches.of[i]
         at_rest = is_unverified(signals, i, flow, memory) and not is_commanded(b, vehicle, residual)
         if at_rest and would_decide(params, signals, residual, b):
-            test_branch(signals, b, 0.0, memory)
+            take_branch(signals, b, 0.0, memory)
 
 
 @kernel
