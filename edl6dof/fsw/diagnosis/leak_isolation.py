@@ -13,7 +13,7 @@ Without a meter, a leak is suspected when force and torque show that a valve ope
 does not respond; the branch is used again if nothing changes when it is closed. Where a shock (a separation,
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
 would show a leak, unless its thrusters respond to commands before that. All branches that can be verified
-are closed and opened together: a single valve leaks, and force and torque tell which.
+are closed and opened together: a single valve leaks, and force and torque show which one.
 
 A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not
 exclude it: the likelihood of a look is the mean of those of "open" and "shut". No look counts for more than
