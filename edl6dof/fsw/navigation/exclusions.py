@@ -38,7 +38,7 @@ class BeamWatchParams(Params):
 "exclude a beam", ge=1, le=10000
     )  # fmt: skip
     silent_path_m: float = param(
-        30.0, "least path of the vehicle in these looks", status="estimate", ge=0.0, le=1e5
+        30.0, "least path over the ground in these looks", status="estimate", ge=0.0, le=1e5
     )
     silent_angle_deg: float = param(
         45.0, "angle to the vertical beyond which a beam may lack an echo", status="estimate", gt=0.0, le=90.0
@@ -54,7 +54,7 @@ _SCORES = record(
     ("silent_m", "f8", (MAX_BEAMS,)),  # m: path over the ground in these looks
     ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
 )
-BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES), ("t", "f8"))  # s: time of the last look
+BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES), ("t", "f8"))  # s: time of the last look; 0: none
 
 
 @kernel
@@ -62,7 +62,7 @@ def watch_beams(params, planet, instruments, radar, solution, health, memory):
     """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
     if params.enabled != 0 and solution.looked != 0:
         echoes = locked_beams(radar, instruments.n_beams), steep_beams(params, instruments, solution)
-        path = (solution.t - memory.t) * ground_speed(planet, solution)
+        path = (solution.t - memory.t) * ground_speed(planet, solution) if memory.t > 0.0 else 0.0
         memory.t = solution.t
         refused = solution.ranges_refused
         watch_readings(

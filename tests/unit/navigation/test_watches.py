@@ -48,7 +48,7 @@ class Beams:
         self.instruments["n_beams"], self.instruments["beam_axis"][0, :4] = 4, (1.0, 0.0, 0.0)
         self.solution["r_I"], self.solution["q_I2B"] = (-3.4e6, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
         self.planet = Planet(rotation_rate=7e-5)
-        self.solution["v_I"] = 0.0, -3.4e6 * 7e-5, speed
+        self.solution["v_I"], self.solution["t"] = (0.0, -3.4e6 * 7e-5, speed), 300.0
 
     def look(self, times, refused=(), silent=(), looked=1):
         self.solution["looked"] = looked
@@ -121,10 +121,10 @@ def test_a_beam_without_echo_is_excluded_unless_most_have_none():
 
 
 def test_a_beam_over_one_steep_slope_is_silent_and_healthy():
-    """In hover all looks are at the same slope; then 30 m of path tell a failed beam, at 5 m/s 120 looks."""
+    """In hover all looks are at the same slope; then 30 m of path show a failed beam, at 5 m/s 121 looks."""
     assert Beams(speed=0.0).look(1000, silent=[3]) == []
-    beams = Beams(speed=5.0)
-    assert beams.look(119, silent=[3]) == []
+    beams = Beams(speed=5.0)  # the first look begins the path
+    assert beams.look(120, silent=[3]) == []
     assert beams.look(2, silent=[3]) == [3]
     beams = Beams(speed=5.0)
     for _ in range(10):
