@@ -11,9 +11,8 @@ mean).
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Sequence
 from functools import lru_cache
-from math import isfinite, nan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +21,7 @@ import numpy as np
 from edl6dof.environment.height_map import DATA
 from edl6dof.environment.hydrostatic import CLIMATE, ClimateInputs, fill_climate
 from edl6dof.environment.profiles import MAX_ROWS, cubic_coefficients, monotone_slopes
+from edl6dof.interchange.number_csv import read_number_csv
 from edl6dof.kernels import kernel
 from edl6dof.records import require_finite
 from edl6dof.spatial import arrays
@@ -37,8 +37,6 @@ _COLUMNS = {
     "north": ("NWind", 1.0),
     "sigma": ("sigma", 0.01),
 }
-#: Largest number of wrong cells of a file that a message lists.
-_NAMED = 5
 
 
 class Profile(NamedTuple):
@@ -68,9 +66,8 @@ def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
 
     Raises:
         ValueError: the csv is no atmosphere table; every wrong cell, row and missing column is named.
-        LookupError: the csv is empty.
     """
-    columns = _columns(name, content.decode())
+    columns = read_number_csv(name, content, _named).columns
     found = {
         # altitudes may be in metres too: their heading says so
         key: values * (1.0 if key == "altitude" and heading.endswith("_m") else to_si)
@@ -78,6 +75,8 @@ def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
         for heading, values in reversed(columns.items())
         if heading.startswith(prefix)
     }
+    if len(found["altitude"]) < 2:
+        raise ValueError(f"{name}: must have a heading and two rows at least")
     if "density" not in found:
         found["density"] = found["pressure"] / (gas_constant * found["temperature"])
     positive = all(np.all(found[key] > 0.0) for key in ("density", "temperature"))
@@ -87,8 +86,8 @@ def read_profile(name: str, content: bytes, gas_constant: float) -> Profile:
     return Profile(*(found.get(key, nothing) for key in Profile._fields))
 
 
-def _missing(headings: list[str]) -> list[str]:
-    """Name the columns that are missing in these headings."""
+def _named(headings: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names of the columns that are read, which are their headings, and what is missing."""
     missing = [
         f"no column that begins with {_COLUMNS[key][0]!r}"
         for key in ("altitude", "temperature")
@@ -96,41 +95,8 @@ def _missing(headings: list[str]) -> list[str]:
     ]
     if not any(heading.startswith(("rho", "P_Pa")) for heading in headings):
         missing.append("no column that begins with 'rho' (density, kg/m3) or 'P_Pa' (pressure)")
-    return missing
-
-
-def _columns(name: str, text: str) -> dict[str, np.ndarray]:
-    """Numbers by heading of the columns whose headings are known."""
-    lines = [(line, row) for line, row in enumerate(csv.reader(text.splitlines()), 1) if row]
-    headings = [heading.strip() for heading in lines[0][1]]
-    if missing := _missing(headings):
-        raise ValueError(f"{name}: {'; '.join(missing)}")
-    if len(lines) < 3:
-        raise ValueError(f"{name}: must have a heading and two rows at least")
-    known = [k for k, h in enumerate(headings) if h.startswith(tuple(p for p, _ in _COLUMNS.values()))]
-    wrong = [
-        f"line {line} has {len(row)} of {len(headings)} columns"
-        for line, row in lines[1:]
-        if len(row) < len(headings)
-    ]
-    wrong += [
-        f"line {line}, {headings[k]}: must be a number (got {row[k]!r})"
-        for line, row in lines[1:]
-        for k in known
-        if k < len(row) and not isfinite(_number(row[k]))
-    ]
-    if wrong:
-        more = f"; and {len(wrong) - _NAMED} more" if len(wrong) > _NAMED else ""
-        raise ValueError(f"{name}: {'; '.join(wrong[:_NAMED])}{more}")
-    return {headings[k]: np.array([_number(row[k]) for _, row in lines[1:]]) for k in known}
-
-
-def _number(cell: str) -> float:
-    """Number in a cell; NaN if there is none."""
-    try:
-        return float(cell)
-    except ValueError:
-        return nan
+    known = tuple(prefix for prefix, _ in _COLUMNS.values())
+    return [heading if heading.startswith(known) else "" for heading in headings], missing
 
 
 _CURVES = ("ln_density", "temperature", "east", "north")

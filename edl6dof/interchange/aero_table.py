@@ -7,13 +7,14 @@ also ``CY``, ``Cl`` and ``Cn``, zero where they are missing.  Lines that begin w
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
+from edl6dof.interchange.number_csv import read_number_csv
 from edl6dof.spatial import arrays
 
 _AXES = ("mach", "alpha_deg", "beta_deg")
@@ -39,76 +40,35 @@ def read_aero_csv(path: Path, content: bytes) -> AeroColumns:
     Raises:
         ValueError: the file is wrong; the message has file, line and column.
     """
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is not a text file") from None
-    numbered = [
-        (number, line)
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not numbered:
-        raise ValueError(f"{path}: is empty")
-    names = _heading(path, *numbered[0])
-    lines = np.array([number for number, _ in numbered[1:]])
-    rows = np.array([_row(path, number, line, names) for number, line in numbered[1:]])
-    if not len(rows):
-        raise ValueError(f"{path}: has a heading and no row")
-    columns = {name: rows[:, k] for k, name in enumerate(names) if name}
-    return _grid(path, lines, columns)
+    table = read_number_csv(str(path), content, _named)
+    return _grid(path, table.lines, table.columns)
 
 
-def _heading(path: Path, number: int, line: str) -> list[str]:
-    """Names of the columns; empty for a column that is not read."""
-    words = [word.strip() for word in next(csv.reader([line]))]
-    if all(_is_number(word) for word in words):
-        raise ValueError(f"{path}:{number}: needs a heading such as mach,alpha_deg,CD,CL,Cm above its rows")
+def _named(heading: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names of the columns, and what is wrong with them."""
     names = []
-    for word in words:
+    for word in heading:
         # a moment coefficient may say what it is about: Cm_xcg0253
         stem = word.split("_")[0] if word not in _AXES else word
         names.append(_KNOWN.get(word, _KNOWN.get(word.lower(), stem if stem in _COEFFICIENTS else "")))
-    unknown = [word for word, name in zip(words, names, strict=True) if not name]
-    for name in ("mach", "alpha_deg", "Cm"):
-        if name not in names:
-            raise ValueError(f"{path}:{number}: lacks the column {name}{_meant(name, unknown)}")
+    unknown = [word for word, name in zip(heading, names, strict=True) if not name]
+    wrong = [
+        f"lacks the column {name}{_meant(name, unknown)}"
+        for name in ("mach", "alpha_deg", "Cm")
+        if name not in names
+    ]
     if not ({"CD", "CL"} <= set(names) or {"CA", "CN"} <= set(names)):
-        raise ValueError(f"{path}:{number}: lacks the columns CD and CL, or CA and CN{_meant('CD', unknown)}")
+        wrong.append(f"lacks the columns CD and CL, or CA and CN{_meant('CD', unknown)}")
     if unknown:
-        raise ValueError(
-            f"{path}:{number}: unknown column {unknown[0]!r} (known: {', '.join((*_AXES, *_COEFFICIENTS))})"
-        )
-    if twice := sorted({name for name in names if names.count(name) > 1}):
-        raise ValueError(f"{path}:{number}: the column {twice[0]} stands twice")
-    return names
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+        wrong.append(f"unknown column {unknown[0]!r} (known: {', '.join((*_AXES, *_COEFFICIENTS))})")
+    if twice := sorted({name for name in names if name and names.count(name) > 1}):
+        wrong.append(f"the column {twice[0]} stands twice")
+    return names, wrong
 
 
 def _meant(name: str, unknown: list[str]) -> str:
     near = get_close_matches(name, unknown, n=1, cutoff=0.3)
     return f"; is it the one called {near[0]!r}?" if near else ""
-
-
-def _row(path: Path, number: int, line: str, names: list[str]) -> list[float]:
-    words = next(csv.reader([line]))
-    if len(words) != len(names):
-        raise ValueError(f"{path}:{number}: has {len(words)} entries, its heading {len(names)}")
-    values = []
-    for name, word in zip(names, words, strict=True):
-        if not _is_number(word):
-            raise ValueError(f"{path}:{number}: {name} must be a number (got {word.strip()[:30]!r})")
-        values.append(float(word))
-        if not np.isfinite(values[-1]):
-            raise ValueError(f"{path}:{number}: {name} is not finite (got {word.strip()!r})")
-    return values
 
 
 def _grid(path: Path, lines: np.ndarray, columns: dict[str, np.ndarray]) -> AeroColumns:

@@ -32,16 +32,16 @@ GOOD = {"atmosphere": ATMOSPHERE, "aero": AERO, "gravity": GRAVITY}
 
 #: kind of file, content, what is said
 BROKEN = {
-    "atmosphere empty": ("atmosphere", "", "not a complete table"),
-    "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "two rows at least"),
+    "atmosphere empty": ("atmosphere", "", "is empty"),
+    "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "has a heading and no row"),
     "atmosphere one row": ("atmosphere", "h_km,rho,T_K\n0.0,1.5e-2,210.0\n", "two rows at least"),
-    "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "line 3 has 2 of 3 columns"),
+    "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "table.csv:3:1: has 2 entries, its heading 3"),
     "atmosphere text": (
         "atmosphere",
         ATMOSPHERE.replace("209.0", "cold"),
-        "line 3, T_K: must be a number (got 'cold')",
+        "table.csv:3:12: T_K: must be a finite number (got 'cold')",
     ),
-    "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "must be a number (got 'nan')"),
+    "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "must be a finite number (got 'nan')"),
     "atmosphere altitude falls": (
         "atmosphere",
         ATMOSPHERE.replace("1.0,1.4", "3.0,1.4"),
@@ -56,11 +56,11 @@ BROKEN = {
     "atmosphere fine steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "0.001,1.4"), "at most 512 fit"),
     "atmosphere absurd steps": ("atmosphere", ATMOSPHERE.replace("1.0,1.4", "1e-300,1.4"), ""),
     "aero empty": ("aero", "", "is empty"),
-    "aero text": ("aero", AERO.replace("1.5", "1.5x"), ":2: CD must be a number (got '1.5x')"),
+    "aero text": ("aero", AERO.replace("1.5", "1.5x"), "CD: must be a finite number (got '1.5x')"),
     "aero gap": ("aero", AERO.rsplit("\n", 2)[0] + "\n", "not a complete Mach x alpha table"),
     "aero short row": ("aero", AERO + "7.0,0\n", ""),
     "aero fraction of a degree": ("aero", AERO.replace(",2,", ",2.5,"), "alpha must be whole degrees"),
-    "aero nan": ("aero", AERO.replace("1.5", "nan", 1), "not finite"),
+    "aero nan": ("aero", AERO.replace("1.5", "nan", 1), "CD: must be a finite number (got 'nan')"),
     "gravity empty": ("gravity", "", "not a complete table"),
     "gravity text": ("gravity", GRAVITY.replace("2,1,0", "2,1,o"), "could not convert string to float: 'o'"),
     "gravity of another planet": (
