@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,7 @@ PARAMETERS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
         ),
     ),
     ("flight_software", "Other flight software", ("flight_software",)),
-    ("mission", "Mission, limits, published values", ("mission", "limits", "published")),
+    ("mission", "Mission, limits, published values", ("mission", "limits", "published", "flown")),
     ("faults", "Faults", ("faults",)),
     (
         "campaign",
@@ -74,11 +74,10 @@ def pages() -> dict[str, str]:
 
 
 def _all_rows() -> list[Row]:
-    from edl6dof.calibration.problem import CalibrationFile
-    from edl6dof.campaign.design.sections import CampaignFile
+    from edl6dof.api.schema_files import OTHER_SECTIONS
     from edl6dof.scenario.schema import Scenario
 
-    return [*rows(Scenario), *rows(CampaignFile), *rows(CalibrationFile)]
+    return [*rows(Scenario), *chain(*map(rows, OTHER_SECTIONS))]
 
 
 def _parameter_pages() -> Iterator[tuple[str, str]]:

@@ -14,6 +14,7 @@ from edl6dof.config.document.source import INCLUDES
 from edl6dof.config.document.yamltree import BOOLEAN_WORDS
 from edl6dof.config.units import split_unit
 from edl6dof.environment.planet import PlanetParams
+from edl6dof.missions.flown import FlownFile
 from edl6dof.scenario.schema import Scenario
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -73,6 +74,8 @@ def _draft7(node: Any) -> Any:
 
 #: Keywords of a declaration that are no keywords of a schema.
 _OWN_WORDS = ("record", "status", "source", "printed")
+#: Sections of a scenario file that a single flight does not read.
+OTHER_SECTIONS: tuple[type[BaseModel], ...] = (CampaignFile, CalibrationFile, FlownFile)
 
 
 def _described(name: str, field: dict[str, Any]) -> dict[str, Any]:
@@ -92,9 +95,9 @@ def scenario_schema() -> dict[str, Any]:
         "type": "string",
         "description": ("name or path of a scenario of which this file changes some values"),
     }
-    for section in (json_schema(CampaignFile), json_schema(CalibrationFile)):
+    for section in map(json_schema, OTHER_SECTIONS):
         schema["properties"].update(section["properties"])
-        schema["$defs"].update(section["$defs"])
+        schema["$defs"].update(section.get("$defs", {}))
     schema["anyOf"] = [{"required": schema.pop("required")}, {"required": [EXTENDS]}]
     _ask_for_nothing_in_sections(schema)
     return schema

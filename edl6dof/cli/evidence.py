@@ -83,6 +83,10 @@ def validate(
     workers: Annotated[
         int | None, option("N", "Threads; all cores if not given.", "--jobs", "--workers", min=1, max=1024)
     ] = None,
+    flown: Annotated[
+        Path | None,
+        option("FILE", "Trajectory of the real flight, csv, to draw over the flights of a mission."),
+    ] = None,
     out: Annotated[Path | None, option("FOLDER", "Folder; runs/validation if not given.")] = None,
     force: Annotated[bool, flag("Replace an existing folder.", "--force")] = False,
     as_json: Annotated[bool, flag("Print JSON instead of the table.", "--json")] = False,
@@ -104,7 +108,9 @@ def validate(
     from edl6dof.runs.files import atomic_folder, default_folder
 
     count = _enough(200 if flights is None else flights, MOST_OF_A_MISSION)
-    missions = [load_mission(name, count) for name in names or shipped_missions()]
+    if flown is not None and len(names or ()) != 1:
+        raise refusal("--flown", "is the flight of one mission: name that mission alone")
+    missions = [load_mission(name, count, flown) for name in names or shipped_missions()]
     if twice := {one.name for one in missions if [two.name for two in missions].count(one.name) > 1}:
         raise refusal(", ".join(sorted(twice)), "named twice")
     target = out or default_folder("validation", force)

@@ -27,8 +27,18 @@ from edl6dof.config.wording import counted, unknown
 from edl6dof.manifest import listed
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.missions.agreement import is_calibrated
+from edl6dof.missions.bands import in_bands
 from edl6dof.missions.mission import Compared, percentiles
-from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, distances, failures, heading, outcome
+from edl6dof.missions.write import (
+    HEADS,
+    OUTSIDE,
+    causes,
+    cells,
+    distances,
+    failures,
+    heading,
+    outcome,
+)
 from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, print_whole, published_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file
@@ -72,7 +82,7 @@ def show_missions(missions: Sequence[Compared], target: Path) -> None:
     for words in distances(missions):
         console.print(words, markup=False, soft_wrap=False)
     for mission in missions:
-        for words in (*causes(mission), *failures(mission)):
+        for words in (*in_bands(mission.name, mission.bands), *causes(mission), *failures(mission)):
             console.print(words, markup=False, soft_wrap=False)
     print(f"{target}: {listed(target)}")
     console.print(
@@ -97,8 +107,11 @@ def _missions_table(missions: Sequence[Compared]) -> Table:
 
 
 def _narrow(row: Sequence[str]) -> tuple[str, ...]:
-    """A row of the table of missions with the mark behind the figure, and without the percentile."""
-    figure, *numbers, mark, sigma, _, remark = row
+    """A row of the table of missions with the mark behind the figure, reconstructed values in the column of
+    flown ones, and without the percentile.
+    """
+    figure, predicted, flown, reconstructed, planned, mark, sigma, _, remark = row
+    numbers = predicted, flown or reconstructed, planned
     return (f"{figure} {mark}".strip(), *(number.replace("+-", "±") for number in numbers), sigma, remark)
 
 

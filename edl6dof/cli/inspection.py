@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -15,9 +16,9 @@ from rich.console import Console
 from rich.text import Text
 
 from edl6dof.api.functions import load
-from edl6dof.calibration.problem import CalibrationFile, calibration_of
+from edl6dof.api.schema_files import OTHER_SECTIONS
+from edl6dof.calibration.problem import calibration_of
 from edl6dof.campaign.design.plan import plan_of
-from edl6dof.campaign.design.sections import CampaignFile
 from edl6dof.cli.group import BAD_INPUT, NOT_WITHIN_LIMITS
 from edl6dof.config.document.locate import find_shipped, resolve_scenario, shipped_names, shown
 from edl6dof.config.document.source import parse_document, read_document
@@ -25,6 +26,7 @@ from edl6dof.config.errors import ConfigError, refusal
 from edl6dof.config.parameter_table import Value, rows, values
 from edl6dof.config.plugin_files import accept, accepted_file, is_accepted
 from edl6dof.config.validate import validate
+from edl6dof.missions.flown import trajectory_of
 from edl6dof.plugins import named_by, plugin_content, source_text
 from edl6dof.report.parameters import print_values, select, selected, short
 from edl6dof.report.terminal import open_table
@@ -56,6 +58,7 @@ def check_files(files: Sequence[str], sets: Sequence[str]) -> int:
 
 def _loaded(name: str, sets: tuple[str, ...]) -> LoadedScenario:
     document = read_document(resolve_scenario(name))
+    trajectory_of(document)
     if any(document.data.get(section) is not None for section in CAMPAIGN_SECTIONS):
         return plan_of(document, sets).loaded
     if document.data.get(CALIBRATION) is not None:
@@ -77,8 +80,8 @@ def list_scenarios() -> None:
 
 def show_params(path: str, as_json: bool) -> None:
     """Print the reference table from ``path`` downwards, or of parameters whose path contains it."""
-    models = (Scenario, CampaignFile, CalibrationFile)
-    table = [Value(row, row.default, row.path, "") for model in models for row in rows(model)]
+    declared = chain(rows(Scenario), *map(rows, OTHER_SECTIONS))
+    table = [Value(row, row.default, row.path, "") for row in declared]
     found = selected(table, path, "edl6dof params")
     if as_json:
         print(json.dumps([one.row._asdict() for one in found], indent=1))
@@ -166,11 +169,13 @@ def _values(name: str, sets: Sequence[str]) -> list[Value]:
 def _values_of_many_flights(name: str) -> Iterator[Value]:
     """Values of the sections of a scenario that a single flight does not read."""
     whole = read_document(resolve_scenario(name))
-    for model in (CampaignFile, CalibrationFile):
+    for model in OTHER_SECTIONS:
         given = {key: whole.data[key] for key in model.model_fields if whole.data.get(key) is not None}
         if given:
             found = values(validate(model, replace(whole, data=given)), whole)
-            yield from (one for one in found if one.row.path not in model.model_fields)
+            yield from (
+                one for one in found if one.row.path in given or one.row.path not in model.model_fields
+            )
 
 
 def _given(value: Value) -> dict[str, str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Sequence
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -40,13 +40,14 @@ class BadTable(ValueError):
         self.problems = tuple(problems)
 
 
-def read_number_csv(file: str, content: bytes, naming: Naming) -> NumberTable:
+def read_number_csv(file: str, content: bytes, naming: Naming, rising: str = "") -> NumberTable:
     """Read a csv of numbers.
 
     Args:
         file: its name in messages.
         content: of the file.
         naming: names the columns.
+        rising: name of the column whose numbers must rise, if any.
 
     Raises:
         BadTable: every wrong heading, row and cell with line and column.
@@ -67,15 +68,21 @@ def read_number_csv(file: str, content: bytes, naming: Naming) -> NumberTable:
     problems = [Problem(file, place, 1, "", words) for words in wrong]
     if not rows:
         problems.append(Problem(file, place, 1, "", "has a heading and no row"))
+    last = -inf
     for line, raw, cells in rows:
         if len(cells) != len(heading):
             words = f"has {len(cells)} entries, its heading {len(heading)}"
             problems.append(Problem(file, line, 1, "", words))
             continue
         for k, (name, cell) in enumerate(zip(names, cells, strict=True)):
-            if name and not isfinite(_number(cell)):
-                column = len(",".join(raw.split(",")[:k])) + (2 if k else 1)
+            number, words = _number(cell), ""
+            if name and not isfinite(number):
                 words = f"must be a finite number (got {cell[:30]!r})"
+            elif name and name == rising:
+                words = "" if number > last else f"must rise (got {cell[:30]} after {last:g})"
+                last = number
+            if words:
+                column = len(",".join(raw.split(",")[:k])) + (2 if k else 1)
                 problems.append(Problem(file, line, column, name, words))
     if problems:
         raise BadTable(problems)

@@ -21,8 +21,10 @@ from edl6dof.spatial.elementary import hypot
 
 _KINDS = ("value", "magnitude", "at_most", "at_least")
 _ONE = "one of value, magnitude, at_most and at_least"
-#: Kind of evidence of a published number.  Only ``flown`` counts as a prediction.
-Evidence = Literal["flown", "bound", "planned", "commanded", "duplicate"]
+#: Kind of evidence of a published number.  Only the first two count: measured in the flight, and computed
+#: afterwards from measurements and models.
+Evidence = Literal["flown", "reconstructed", "bound", "planned", "commanded", "duplicate"]
+COUNTED = ("flown", "reconstructed")
 
 
 class PublishedFigure(Params):
@@ -47,9 +49,10 @@ class PublishedFigure(Params):
     )
     evidence: Evidence = param(
         "flown",
-        "flown: it counts; bound: printed as a bound of the flown value; planned: printed before the flight; "
-        "commanded: a setting of this scenario chooses it; duplicate: a setting fixes its difference to "
-        "another published figure",
+        "flown: it counts; reconstructed: computed after the flight from measurements and models, such as a "
+        "Mach number, it counts; bound: printed as a bound of the flown value; planned: printed before the "
+        "flight; commanded: a setting of this scenario chooses it; duplicate: a setting fixes its difference "
+        "to another published figure",
         record=False,
     )
     because: str | None = param(

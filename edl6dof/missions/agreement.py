@@ -61,6 +61,22 @@ def is_calibrated(percentiles: Sequence[float]) -> bool:
     return found.trials > 0 and low <= DECIDES <= high
 
 
+def covariances(values: np.ndarray) -> np.ndarray:
+    """Covariance of each pair of figures, shape (k, k), over the flights that reached both; NaN for fewer
+    than two.
+
+    Args:
+        values: figures of the dispersed flights, shape (n, k); NaN where a flight did not reach one.
+    """
+    k = values.shape[1]
+    found = np.full((k, k), nan)
+    for i, j in np.ndindex(k, k):
+        both = values[np.isfinite(values[:, [i, j]]).all(axis=1)]
+        if len(both) > 1:
+            found[i, j] = np.cov(both[:, i], both[:, j])[0, 1]
+    return found
+
+
 class Distance(NamedTuple):
     """Mahalanobis distance of the flown values of one mission from the mean of its flights."""
 

@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import nan
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +29,10 @@ from edl6dof.config.document.source import parse_document, read_document, resolv
 from edl6dof.config.errors import ConfigError
 from edl6dof.config.validate import validate
 from edl6dof.metrics.figures import FigureOfMerit
-from edl6dof.metrics.published import PublishedFigure, PublishedPair, published_figures
+from edl6dof.metrics.published import COUNTED, PublishedFigure, PublishedPair, published_figures
 from edl6dof.missions.agreement import Distance, distance, percentile, score
+from edl6dof.missions.bands import Band, bands
+from edl6dof.missions.flown import Trajectory, collector, read_trajectory, trajectory_of
 from edl6dof.scenario.loading import CALIBRATION
 
 PUBLISHED, CAMPAIGN = "published", "campaign"
@@ -46,6 +49,7 @@ class Mission:
     status: dict[str, str]  # mark of each published figure by its name, such as ``published`` or ``recalled``
     #: published figures that were used to calibrate the scenario, which it therefore does not predict
     fitted: frozenset[str]
+    flown: Trajectory | None = None  # of the real flight, if known
 
     @property
     def name(self) -> str:
@@ -58,7 +62,8 @@ class Mission:
         def counted(done: int, row: Row) -> None:
             progress(done, self.plan.count)
 
-        return list(fly_rows(self.plan.loaded, self.plan.cases(), workers=workers, progress=counted))
+        cases, collect = self.plan.cases(), collector(self.flown)
+        return list(fly_rows(self.plan.loaded, cases, workers=workers, collect=collect, progress=counted))
 
 
 def shipped_missions() -> list[str]:
@@ -82,12 +87,13 @@ def _says(document: Document, section: str) -> bool:
     return any(one is not None for one in value.values()) if isinstance(value, dict) else bool(value)
 
 
-def load_mission(name: str, flights: int | None = None) -> Mission:
+def load_mission(name: str, flights: int | None = None, flown: Path | None = None) -> Mission:
     """Read and check a mission.
 
     Args:
         name: file, or name of a shipped scenario.
         flights: number of dispersed flights, by default that of its campaign.
+        flown: csv of the trajectory of the real flight, by default the one that the mission names.
 
     Raises:
         ConfigError: every problem, with file and line; a section is missing.
@@ -101,7 +107,8 @@ def load_mission(name: str, flights: int | None = None) -> Mission:
     unread = document.copy()
     plan = plan_of(document, cases=flights)
     figures = tuple(published_figures(plan.loaded.scenario.published))
-    return Mission(plan, figures, _status(unread, figures), _fitted(unread, figures))
+    trajectory = trajectory_of(unread) if flown is None else read_trajectory(flown)
+    return Mission(plan, figures, _status(unread, figures), _fitted(unread, figures), trajectory)
 
 
 def _status(document: Document, figures: Sequence[PublishedPair]) -> dict[str, str]:
@@ -151,13 +158,13 @@ class Predicted(NamedTuple):
     @property
     def counted(self) -> bool:
         """True if the published value is a flown value that flights can predict, from a source at hand."""
-        return not self.published.required and self.evidence == "flown"
+        return not self.published.required and self.evidence in COUNTED
 
     @property
     def evidence(self) -> str:
         """Kind of evidence of the published value; a flown value quoted from memory is ``recalled``."""
         own = self.published.evidence
-        return RECALLED if own == "flown" and self.status == RECALLED else own
+        return RECALLED if own in COUNTED and self.status == RECALLED else own
 
     @property
     def sigmas(self) -> float:
@@ -179,6 +186,8 @@ class Compared(NamedTuple):
     causes: dict[str, int]  # causes of the other outcomes, with their numbers
     predicted: tuple[Predicted, ...]  # every published figure with its prediction
     distance: Distance | None  # of the flown values that count and were not fitted
+    values: np.ndarray  # each published figure in each flight, shape (flights, figures); NaN if not reached
+    bands: tuple[Band, ...]  # channels of the real flight over time, if its trajectory is known
 
     @property
     def counted(self) -> list[Predicted]:
@@ -189,9 +198,9 @@ class Compared(NamedTuple):
 def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
     """Compare the rows of a mission's flights with each published figure."""
     causes = Counter(row["cause"] for row in rows if row["cause"])
+    table = np.array([figure_values(rows, one.figure.name, one.published) for one in mission.compared]).T
     found, independent = [], []
-    for figure, published in mission.compared:
-        every = np.array(figure_values(rows, figure.name, published))
+    for (figure, published), every in zip(mission.compared, table.T, strict=True):
         values = every[np.isfinite(every)]
         mean = float(values.mean()) if len(values) else nan
         deviation = float(values.std(ddof=1)) if len(values) > 1 else 0.0 * mean
@@ -206,7 +215,8 @@ def compare(mission: Mission, rows: Sequence[Row]) -> Compared:
     )
     away = distance(columns.T, flown, sigma)
     successes = sum(bool(row["success"]) for row in rows)
-    return Compared(mission.name, len(rows), successes, dict(causes.most_common()), tuple(found), away)
+    shown = tuple(found), away, table, bands(mission.flown, rows)
+    return Compared(mission.name, len(rows), successes, dict(causes.most_common()), *shown)
 
 
 def _share(values: np.ndarray, published: PublishedFigure) -> float:

@@ -1,5 +1,6 @@
 """The table of missions, the same on the terminal, in the documents and in files, and the folder of a
-validation: the table as Markdown, CSV and JSON, every flight as Parquet, one picture.
+validation: the table as Markdown, CSV and JSON, the predictions without the flown values, every flight as
+Parquet, a picture of the table, and one of each flown trajectory over the dispersed flights.
 """
 
 from __future__ import annotations
@@ -20,15 +21,16 @@ from edl6dof.campaign.executor import Row, table_of
 from edl6dof.config.base import STATUS_MARKS
 from edl6dof.config.dump import json_text
 from edl6dof.config.wording import counted
-from edl6dof.metrics.published import Evidence
-from edl6dof.missions.agreement import DECIDES, LEVELS, coverage, is_calibrated
+from edl6dof.metrics.published import COUNTED, Evidence
+from edl6dof.missions.agreement import DECIDES, LEVELS, covariances, coverage, is_calibrated
+from edl6dof.missions.bands import bands_drawing, in_bands
 from edl6dof.missions.mission import RECALLED, WITHIN, Compared, Predicted, percentiles
 from edl6dof.report.document import significant
 from edl6dof.report.figure import Axis, Band, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import BLUE, PHASES, SKY, VERMILION
 
-HEADS = ("figure", "predicted>", "flown>", "planned>", "", "sigma>", "percentile>", "")
+HEADS = ("figure", "predicted>", "flown>", "reconstructed>", "planned>", "", "sigma>", "percentile>", "")
 _LETTERS = {status: letter for letter, status in STATUS_MARKS.items()}
 #: Remarks in the last column: beyond three sigma; no prediction, as the scenario was calibrated on it.
 OUTSIDE, FITTED = "outside", "fitted"
@@ -39,13 +41,18 @@ def cells(one: Predicted) -> tuple[str, ...]:
     return (
         one.figure.meaning + (f" ({one.figure.unit.label})" if one.figure.unit.label else ""),
         predicted(one),
-        "" if one.published.planned else published(one),
-        published(one) if one.published.planned else "",
+        *_in_column(one),
         f"[{_LETTERS[one.status]}]" if one.status in _LETTERS else "",
         sigmas(one),
         f"{100.0 * one.share:.0f}" if one.counted and one.flights else "",
         remark(one),
     )
+
+
+def _in_column(one: Predicted) -> list[str]:
+    """The published value in its column: flown, reconstructed or planned."""
+    column = {"reconstructed": 1, "planned": 2}.get(one.published.evidence, 0)
+    return [published(one) if k == column else "" for k in range(3)]
 
 
 def predicted(one: Predicted) -> str:
@@ -84,7 +91,7 @@ def remark(one: Predicted) -> str:
 def heading(mission: Compared) -> tuple[str, ...]:
     """Heading row of a mission in the table: numbers of flights and of flown values in the central 68 %."""
     share = coverage(percentiles([mission], fitted=True), DECIDES)
-    return mission.name, counted(mission.flights, "flight"), *[""] * 5, f"{share.successes} of {share.trials}"
+    return mission.name, counted(mission.flights, "flight"), *[""] * 6, f"{share.successes} of {share.trials}"
 
 
 def distances(missions: Sequence[Compared]) -> list[str]:
@@ -143,7 +150,11 @@ def _coverages(places: Sequence[float]) -> str:
 def _not_counted(predicted: Sequence[Predicted]) -> str:
     """Return the numbers of values that are not counted, by reason; empty if there are none."""
     found = Counter(one.evidence for one in predicted if not one.published.required)
-    words = ", ".join(f"{found[kind]} {kind}" for kind in (*get_args(Evidence)[1:], RECALLED) if found[kind])
+    words = ", ".join(
+        f"{found[kind]} {kind}"
+        for kind in (*get_args(Evidence), RECALLED)
+        if kind not in COUNTED and found[kind]
+    )
     return f"; not counted: {words}" if words else ""
 
 
@@ -155,12 +166,36 @@ _ROW = 18.0
 
 def write_validation(missions: Sequence[Compared], rows: Mapping[str, Sequence[Row]], folder: Path) -> None:
     """Write every file into the existing ``folder``; ``rows`` are the flights of each mission by its name."""
+    (folder / "prediction.json").write_text(prediction(missions), encoding="utf-8")
     (folder / "validation.md").write_text(to_markdown(missions), encoding="utf-8")
     (folder / "validation.csv").write_text(to_csv(missions), encoding="utf-8")
     (folder / "validation.json").write_text(to_json(missions), encoding="utf-8")
     for name, flown in rows.items():
         pq.write_table(table_of(flown), folder / f"{name}.parquet", compression="zstd")
     write_figure(drawing(missions), folder / "validation.png")
+    for mission in missions:
+        if mission.bands:
+            write_figure(bands_drawing(mission.name, mission.bands), folder / f"{mission.name}_flown.png")
+
+
+def prediction(missions: Sequence[Compared]) -> str:
+    """Mean, standard deviation and covariance of the figures over the flights: no published value enters.
+
+    A covariance is that of the flights that reached both figures.
+    """
+    found = [
+        {
+            "mission": mission.name,
+            "figures": [
+                {"figure": one.figure.name, "unit": one.figure.unit.label, "flights": one.flights}
+                | {"mean": one.mean, "deviation": one.deviation}
+                for one in mission.predicted
+            ],
+            "covariance": covariances(mission.values).tolist(),
+        }
+        for mission in missions
+    ]
+    return json_text({"edl6dof_version": __version__, "missions": found})
 
 
 def to_markdown(missions: Sequence[Compared]) -> str:
@@ -174,6 +209,8 @@ def to_markdown(missions: Sequence[Compared]) -> str:
         for one in mission.predicted:
             lines.append("| " + " | ".join(cells(one)).replace("+-", "±") + " |")
     lines += ["", f"{outcome(missions)}.", "", *(f"- {words}" for words in distances(missions)), ""]
+    if curves := [words for mission in missions for words in in_bands(mission.name, mission.bands)]:
+        lines += [*(f"- {words}" for words in curves), ""]
     for mission in missions:
         lines += [f"- {words}" for words in (*causes(mission), *failures(mission))]
     return "\n".join(lines) + "\n"
@@ -205,6 +242,7 @@ def to_json(missions: Sequence[Compared]) -> str:
                 "causes": mission.causes,
                 "mahalanobis": mission.distance._asdict() if mission.distance else None,
                 "figures": [_plain(one) for one in mission.predicted],
+                "trajectory": [band.shares for band in mission.bands],
             }
             for mission in missions
         ],

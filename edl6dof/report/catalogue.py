@@ -206,6 +206,13 @@ CATALOGUE: dict[str, Plot] = {
 }
 
 
+def plot_of(channel: str) -> Plot:
+    """Return a plot of one channel, in the unit of the plot that shows it."""
+    there = next((plot for plot in CATALOGUE.values() if channel in plot.curves), None)
+    title = there.title if there and len(there.curves) == 1 else describe(channel)[1]
+    return Plot(channel, title, {channel: ""}, kilo=there is not None and there.kilo)
+
+
 class Stack(NamedTuple):
     """Plots above each other in a report.
 

@@ -93,9 +93,10 @@ def _judged(document: Document) -> tuple[Scenario, list[Problem]]:
     return scenario, [*problems, *(document.problem(steps(path), words) for path, words in found.items())]
 
 
-#: Sections of a scenario file for many flights and for calibration, which a single flight does not read.
+#: Sections of a scenario file for many flights, calibration and validation, which a single flight does not
+#: read.
 CAMPAIGN_SECTIONS = ("campaign", "sweep", "fault_matrix")
-CALIBRATION = "calibration"
+CALIBRATION, FLOWN = "calibration", "flown"
 
 
 def load_scenario(name_or_path: str | Path, overrides: Iterable[str] = ()) -> LoadedScenario:
@@ -131,7 +132,7 @@ def judged_scenario(
     problems = [
         Problem(f"--set {text}", 0, 0, "plugins", "must be named in the scenario file") for text in late
     ]
-    for name in (*CAMPAIGN_SECTIONS, CALIBRATION):
+    for name in (*CAMPAIGN_SECTIONS, CALIBRATION, FLOWN):
         document.data.pop(name, None)
         document.forget((name,))
     document, more = _overridden(_expanded(document), [text for text in overrides if text not in late])

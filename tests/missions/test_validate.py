@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -16,7 +17,8 @@ from edl6dof.campaign.design.case import Case
 from edl6dof.campaign.executor import fly_rows
 from edl6dof.cli.evidence_tables import show_missions
 from edl6dof.config.errors import ConfigError
-from edl6dof.metrics.published import PublishedFigure, published_problems
+from edl6dof.metrics.published import PublishedFigure, PublishedPair, published_problems
+from edl6dof.missions.agreement import is_calibrated
 from edl6dof.missions.mission import Mission, compare, load_mission, percentiles, shipped_missions
 from edl6dof.missions.write import causes, cells, failures, outcome, to_csv
 
@@ -92,7 +94,8 @@ def test_shipped_missions_count_no_value_that_was_planned_or_commanded_or_that_r
     }
     assert what["insight_mc"]["powered_duration_s"] == "planned"
     assert what["msl_landing_mc"]["parachute_height_m"] == "planned"
-    assert what["phoenix_mc"]["parachute_height_m"] == "planned"
+    assert what["mars2020_mc"]["parachute_mach"] == "reconstructed"
+    assert what["phoenix_mc"]["parachute_height_m"] == "reconstructed"
     for name in ("msl_landing_mc", "mars2020_mc"):
         assert (what[name]["backshell_s"], what[name]["engines_start_s"]) == ("flown", "duplicate")
         assert (what[name]["four_engines_s"], what[name]["rover_release_s"]) == ("flown", "duplicate")
@@ -115,14 +118,56 @@ def test_what_is_no_evidence_is_shown_and_not_counted(drop):
 
     planned = told("planned")
     pressure, mach, required = planned.predicted
-    assert cells(pressure)[2:] == ("", "9.7 +- 0.5", "[P]", "", "", "planned")
-    assert cells(mach)[2:] == ("5", "", "[D]", "-inf", "", "commanded")
-    assert cells(required)[2:4] == ("<= 1000", "")
+    assert cells(pressure)[2:] == ("", "", "9.7 +- 0.5", "[P]", "", "", "planned")
+    assert cells(mach)[2:] == ("5", "", "", "[D]", "-inf", "", "commanded")
+    assert cells(required)[2:5] == ("<= 1000", "", "")
     assert planned.counted == [] and causes(planned) == [] and percentiles([planned]) == []
     assert outcome([planned]) == "no flown value counts; not counted: 1 planned, 1 commanded"
     table = list(csv.DictReader(to_csv([planned]).splitlines()))
     assert [one["evidence"] for one in table] == ["planned", "commanded", ""]
     assert {one["inside"] for one in table} == {""} and table[0]["sigmas"] == ""
+
+
+def test_a_reconstructed_value_counts_in_a_column_of_its_own(drop):
+    path = drop(9.7)
+    path.write_text(path.read_text().replace("sigma: 0.5", "sigma: 0.5, evidence: reconstructed"))
+    rows = [{"peak_dynamic_pressure_pa": x, "success": True, "cause": ""} for x in (9.0, 11.0)]
+    found = compare(load_mission(str(path)), rows)
+    assert cells(found.predicted[0])[2:6] == ("", "9.7 +- 0.5", "", "[P]")
+    assert found.counted[0].evidence == "reconstructed" and "not counted" not in outcome([found])
+    path.write_text(path.read_text().replace("# [P] nowhere", "# [R] from memory"))
+    assert compare(load_mission(str(path)), rows).predicted[0].evidence == "recalled"
+
+
+def test_dispersions_of_made_up_missions_are_judged_by_flights_whose_truth_is_known(drop):
+    """Real flights of a mission whose dispersions are right give uniform percentiles; those of missions with
+    half and twice the standard deviation fail.
+    """
+    path = drop()
+    text = path.read_text()
+
+    def flown(three_sigma, flights):
+        path.write_text(text.replace("three_sigma: 0.3", f"three_sigma: {three_sigma}"))
+        mission = load_mission(str(path), flights)
+        return mission, mission.fly(None, lambda done, count: None)
+
+    _, real = flown(0.3, 400)
+    truth = [row["peak_dynamic_pressure_pa"] for row in real[::4]]  # not the flights that predict them
+
+    def judged(three_sigma):
+        mission, rows = flown(three_sigma, 201)
+        figure = mission.compared[0].figure
+        found = []
+        for value in truth:
+            one = PublishedPair(figure, PublishedFigure(value=value))
+            found.append(compare(replace(mission, compared=(one,)), rows))
+        return percentiles(found)
+
+    right = judged(0.3)
+    counts, _ = np.histogram(right, bins=5, range=(0.0, 1.0))
+    assert is_calibrated(right)
+    assert np.sum((counts - 20.0) ** 2) / 20.0 < 18.5  # chi-squared with 4 d.o.f., 0.1 %
+    assert not is_calibrated(judged(0.15)) and not is_calibrated(judged(0.6))
 
 
 def test_a_value_quoted_from_memory_does_not_count(drop):
@@ -131,7 +176,7 @@ def test_a_value_quoted_from_memory_does_not_count(drop):
     recalled = compare(
         load_mission(str(path)), [{"peak_dynamic_pressure_pa": 19.0, "success": True, "cause": ""}]
     )
-    assert cells(recalled.predicted[0])[4:] == ("[R]", "+18.6", "", "recalled")
+    assert cells(recalled.predicted[0])[5:] == ("[R]", "+18.6", "", "recalled")
     assert [one.figure.name for one in recalled.counted] == ["touchdown_s"]
     assert outcome([recalled]).endswith("; not counted: 1 recalled")
 
@@ -163,7 +208,7 @@ def test_a_value_is_predicted_within_three_standard_deviations(drop):
     assert (pressure.mean, pressure.flights) == (10.0, 2)
     # the flown 9.7 has a standard deviation of 0.5: it lies 1.4 above one flight and 2.6 below the other
     assert pressure.share == pytest.approx(0.5 * (0.9192 + 0.0047), abs=1e-4)
-    assert pressure.score == pytest.approx(0.5 * (0.7 + 1.3) - 0.5 * 1.0) and cells(pressure)[6] == "46"
+    assert pressure.score == pytest.approx(0.5 * (0.7 + 1.3) - 0.5 * 1.0) and cells(pressure)[7] == "46"
     assert pressure.deviation == pytest.approx(2.0**0.5) and pressure.inside
     assert pressure.sigmas == pytest.approx(0.3 / (2.0 + 0.25) ** 0.5)
     assert not far.predicted[0].inside and cells(far.predicted[0])[-1] == "outside"
@@ -207,6 +252,7 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     names = {path.name for path in folder.iterdir()}
     assert names == {
         *(
+            "prediction.json",
             "validation.md",
             "validation.csv",
             "validation.json",
@@ -227,6 +273,13 @@ def test_the_command_writes_table_and_picture_and_tells_the_goal_by_its_status(d
     mean = float(rows[0]["mean"])
     assert mean == pytest.approx(12.5, abs=1.5)
     assert f"| {mean:.1f} ± " in (folder / "validation.md").read_text(encoding="utf-8")
+    foretold = (folder / "prediction.json").read_bytes()
+    forecast = json.loads(foretold)["missions"][0]
+    assert forecast["figures"][0]["mean"] == mean and forecast["figures"][1]["mean"] is None
+    assert forecast["covariance"][0][0] == pytest.approx(forecast["figures"][0]["deviation"] ** 2)
+    assert forecast["covariance"][0][1] is None and forecast["covariance"][0][2] > 0.0
+    other = called("validate", drop(40.0), "-n", "12", "--out", "other", cwd=tmp_path)
+    assert other.returncode == 1 and (tmp_path / "other" / "prediction.json").read_bytes() == foretold
     again = called("validate", drop(), "-n", "12", "--jobs", "2", "--force", cwd=tmp_path)
     assert again.stdout == done.stdout
     before = (folder / "validation.csv").read_bytes()
