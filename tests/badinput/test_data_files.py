@@ -35,13 +35,21 @@ BROKEN = {
     "atmosphere empty": ("atmosphere", "", "is empty"),
     "atmosphere heading only": ("atmosphere", "h_km,rho,T_K\n", "has a heading and no row"),
     "atmosphere one row": ("atmosphere", "h_km,rho,T_K\n0.0,1.5e-2,210.0\n", "two rows at least"),
-    "atmosphere short row": ("atmosphere", ATMOSPHERE.replace(",209.0", ""), "table.csv:3:1: has 2 entries, its heading 3"),
+    "atmosphere short row": (
+        "atmosphere",
+        ATMOSPHERE.replace(",209.0", ""),
+        "table.csv:3:1: has 2 entries, its heading 3",
+    ),
     "atmosphere text": (
         "atmosphere",
         ATMOSPHERE.replace("209.0", "cold"),
         "table.csv:3:12: T_K: must be a finite number (got 'cold')",
     ),
-    "atmosphere nan": ("atmosphere", ATMOSPHERE.replace("209.0", "nan"), "must be a finite number (got 'nan')"),
+    "atmosphere nan": (
+        "atmosphere",
+        ATMOSPHERE.replace("209.0", "nan"),
+        "must be a finite number (got 'nan')",
+    ),
     "atmosphere altitude falls": (
         "atmosphere",
         ATMOSPHERE.replace("1.0,1.4", "3.0,1.4"),

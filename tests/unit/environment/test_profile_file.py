@@ -30,8 +30,14 @@ def test_pressure_and_density_metres_and_kilometres_mean_the_same():
     "text, words",
     [
         (PRESSURE.replace("P_Pa", "p_mbar"), "'rho' (density, kg/m3) or 'P_Pa' (pressure)"),
-        ("T_C,rho\n1,2\n3,4\n", ":1:1: no column that begins with 'h_'; mine.csv:1:1: no column that begins with 'T_K'"),
-        (PRESSURE.replace("640.0", "").replace("205.0", "warm"), ":3:14: P_Pa: must be a finite number (got '');"),
+        (
+            "T_C,rho\n1,2\n3,4\n",
+            ":1:1: no column that begins with 'h_'; mine.csv:1:1: no column that begins with 'T_K'",
+        ),
+        (
+            PRESSURE.replace("640.0", "").replace("205.0", "warm"),
+            ":3:14: P_Pa: must be a finite number (got '');",
+        ),
         (
             PRESSURE.replace("640.0", "").replace("205.0", "warm"),
             ":4:8: T_K: must be a finite number (got 'warm')",
