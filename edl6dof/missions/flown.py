@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from os.path import isfile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ import numpy as np
 from edl6dof.campaign.executor import Collect
 from edl6dof.config.base import REQUIRED, STATUS_MARKS, Params, param
 from edl6dof.config.document.document import Document
-from edl6dof.config.document.locate import shown
+from edl6dof.config.document.locate import shipped_folders, shown
 from edl6dof.config.document.regular import read_regular
 from edl6dof.config.errors import ConfigError, Problem, did_you_mean
 from edl6dof.config.validate import validate
@@ -46,8 +47,8 @@ class FlownFile(Params):
 
     flown: str = param(
         REQUIRED,
-        "csv of the trajectory of the real flight, relative to the folder of the scenario; "
-        "edl6dof validate draws it over the dispersed flights",
+        "csv of the trajectory of the real flight, relative to the folder of the scenario; edl6dof validate "
+        "draws it over the dispersed flights",
         record=False,
         min_length=1,
     )
@@ -80,7 +81,8 @@ def collector(flown: Trajectory | None) -> Collect | None:
 
 
 def trajectory_of(document: Document) -> Trajectory | None:
-    """Read the trajectory that a scenario file names; ``None`` if it names none.
+    """Read the trajectory that a scenario file names, beside it or beside the shipped scenarios; ``None`` if
+    it names none.
 
     Raises:
         ConfigError: the entry is no text, or what :func:`read_trajectory` refuses.
@@ -88,8 +90,9 @@ def trajectory_of(document: Document) -> Trajectory | None:
     if document.data.get(FLOWN) is None:
         return None
     own = Document({FLOWN: document.data[FLOWN]}, dict(document.marks), files=document.files)
-    named_in = Path(own.mark((FLOWN,)).file)
-    return read_trajectory(named_in.parent / validate(FlownFile, own).flown)
+    name, beside = validate(FlownFile, own).flown, Path(own.mark((FLOWN,)).file).parent
+    places = [folder / name for folder in (beside, *shipped_folders("scenarios"))]
+    return read_trajectory(next((path for path in places if isfile(path)), places[0]))
 
 
 def read_trajectory(path: Path) -> Trajectory:
@@ -101,8 +104,8 @@ def read_trajectory(path: Path) -> Trajectory:
     file = shown(path)
     try:
         content = read_regular(path)
-    except OSError as error:
-        words = f"cannot be read: {error.strerror or error}"
+    except (OSError, ValueError) as error:  # ValueError: a name that the system cannot look up
+        words = f"cannot be read: {getattr(error, 'strerror', None) or error}"
         raise ConfigError([Problem(file, 0, 0, "", words)]) from None
     origin = _SOURCE.search(content.decode("utf-8", "replace"))
     words = "needs a remark with origin and source, such as '# [P] paper' ([P], [D] or [R])"

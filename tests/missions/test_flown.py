@@ -158,6 +158,14 @@ def test_a_wrong_trajectory_is_found_by_check(csv, drop, tmp_path):
         assert done.returncode == 2 and "flown.csv:5:10: speed_m_s: must be a finite" in done.stderr
 
 
+def test_a_copy_of_a_shipped_scenario_finds_its_trajectory(csv, tmp_path):
+    copy = csv(called("scenarios", "pathfinder").stdout, "mine.yaml")
+    assert called("check", copy, cwd=tmp_path).returncode == 0
+    csv("extends: pathfinder_mc\nflown: none/such.csv\n", "mine.yaml")
+    wrong = called("check", copy, cwd=tmp_path)
+    assert wrong.returncode == 2 and "none/such.csv: cannot be read" in wrong.stderr
+
+
 def test_pathfinder_is_compared_with_its_flight():
     mission = load_mission("pathfinder_mc", 2)
     assert mission.flown.status == "published" and len(mission.flown.t) == 57
