@@ -63,8 +63,8 @@ def read_number_csv(file: str, content: bytes, naming: Naming, rising: str = "")
         raise BadTable([Problem(file, 0, 0, "", "is empty")])
     (place, _, heading), *rows = rows
     if all(isfinite(_number(word)) for word in heading):
-        wrong = ["needs a heading above its rows", *naming([])[1]]
-        raise BadTable([Problem(file, place, 1, "", words) for words in wrong])
+        lacking = ("needs a heading above its rows", *naming([])[1])
+        raise BadTable([Problem(file, place, 1, "", words) for words in lacking])
     names, wrong = naming(heading)
     problems = [Problem(file, place, 1, "", words) for words in wrong]
     if not rows:
