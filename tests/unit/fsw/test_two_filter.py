@@ -19,12 +19,15 @@ def descent():
     return course.truth(ONBOARD, False)
 
 
-def flown_by(descent, first, cycles, looks=None, **changes):
-    """What the filters do over a piece of the descent; yields cycle, what was and is, readings, memory."""
+def flown_by(descent, first, cycles, looks=None, excluded=(), **changes):
+    """What the filters do over a piece of the descent, with beams ``excluded``; yields cycle, what was and
+    is, readings, memory.
+    """
     params = np.zeros(1, dtype_of(TwoFilterParams))
     fill(params[0], TwoFilterParams(**changes))
     records, memory = landing.records(), np.zeros(1, TWO_FILTER)[0]
     sensed, motion, solution, health, _ = (record[0] for record in records)
+    health["beam_speed"][list(excluded)] = 0
 
     def begin(sensed, solution):
         start(params[0], ONBOARD[0], sensed, solution, memory)
@@ -105,3 +108,17 @@ def test_height_and_velocity_are_found(descent, beam_state):
     height, velocity = errors(descent, k, solution)
     assert abs(height) < 0.5 and np.linalg.norm(velocity) < 0.1
     assert 0.0 < solution["sigma_v"].max() < 0.05
+
+
+@pytest.mark.parametrize(("state", "refused"), [(0, 0), (2, 0b0100)], ids=["sound again", "still wrong"])
+def test_an_excluded_beam_is_compared_and_not_used(descent, state, refused):
+    """So it is used again once it has agreed for long (``watch_beams``)."""
+    looks = np.zeros((len(descent[0]), 8), np.int64)
+    looks[:, 2] = state
+    told = [
+        (int(solution["speeds_refused"]) & 0b0100, int(solution["beams_used"]) & 0b0100)
+        for _, _, solution, _, _ in flown_by(descent, 900, 200, looks, excluded=[2])
+        if solution["looked"]
+    ]
+    assert np.mean([one == (refused, 0) for one in told]) > 0.95
+    assert all(used == 0 for _, used in told)

@@ -30,7 +30,6 @@ from edl6dof.fsw.navigation.radar_beams import (
     beam_usable,
     count_usable_beams,
     expected_range,
-    locked_beams,
     place_antenna,
 )
 from edl6dof.fsw.navigation.strapdown import level_axes
@@ -110,13 +109,13 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
     if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
         _carry_forward(params, memory)
         antenna = place_antenna(onboard, motion, solution, sensed.t)
-        speeds = _fit_speeds(params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory)
+        speeds, refused = _fit_speeds(
+            params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory
+        )
         ranges = _buffer_heights(
             params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
         )
-        solution.beams_used = speeds | ranges
-        solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
-        solution.looked = 1
+        solution.beams_used, solution.speeds_refused, solution.looked = speeds | ranges, refused, 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)
         _report_covariance(params, onboard, solution, memory)
@@ -143,13 +142,15 @@ def _carry_forward(params, memory):
 
 @kernel
 def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
-    """Update with the speeds whose residuals are not too large; returns bits of these beams."""
-    instruments, used, row = onboard.instruments, 0, memory.row
+    """Update with the trusted speeds whose residuals are not too large; returns bits of these beams, and of
+    those, trusted or not, whose residuals are.
+    """
+    instruments, used, refused, row = onboard.instruments, 0, 0, memory.row
     q, velocity = antenna[0], add(antenna[2], antenna[3])
     put3(row, 3, (0.0, 0.0, 0.0))
     for beam in range(instruments.n_beams):
         solution.speed_innovation[beam] = 0.0
-        if beam_usable(health.beam_speed, radar, beam):
+        if radar.locked[beam] != 0:
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             speed = dot(u, velocity)
             put3(row, 0, u)
@@ -157,12 +158,15 @@ def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
             variance = own**2
             variance += predicted_variance(memory.covariance, memory.considered, row, memory.product)
             residual = radar.speed[beam] - speed - explained_by(row, memory.correction)
-            solution.speed_innovation[beam] = residual / sqrt(variance)
-            if residual**2 <= params.edit**2 * variance:
+            trusted = health.beam_speed[beam] != 0
+            solution.speed_innovation[beam] = residual / sqrt(variance) if trusted else 0.0
+            if residual**2 > params.edit**2 * variance:
+                refused |= 1 << beam
+            elif trusted:
                 optimal_gain(memory, variance)
                 apply_gain(memory, variance, residual)
                 used |= 1 << beam
-    return used
+    return used, refused
 
 
 @kernel
