@@ -60,9 +60,9 @@ _SCORES = record(
 )
 #: Echo of a beam that moves away by its speed.
 _RECEDING = record(
-    ("first", "f8", (MAX_BEAMS,)),  # m: its first range; 0: the echo does not move away
+    ("first", "f8", (MAX_BEAMS,)),  # m: its first range
     ("way", "f8", (MAX_BEAMS,)),  # m: integral of its speed since then
-    ("t", "f8", (MAX_BEAMS,)),  # s: time of the last echo
+    ("t", "f8", (MAX_BEAMS,)),  # s: time of the last such echo
 )
 BEAM_WATCH = record(
     ("range", _SCORES),
@@ -119,17 +119,14 @@ def receding_beams(instruments, radar, t, memory):
     bits = 0
     for i in range(instruments.n_beams):
         reach, speed = radar.range[i], radar.speed[i]
-        if radar.locked[i] == 0:
+        if radar.locked[i] == 0 or speed >= 0.0:
             continue
-        if speed >= 0.0:
-            memory.first[i] = 0.0
-            continue
-        if memory.first[i] == 0.0:
-            memory.first[i], memory.way[i], memory.t[i] = reach, 0.0, t
         memory.way[i] -= speed * (t - memory.t[i])
         memory.t[i] = t
         off = _FOLLOWS * sqrt(2.0) * (instruments.range_sigma + instruments.range_sigma_relative * reach)
-        if memory.way[i] > off and abs(reach - memory.first[i] - memory.way[i]) < off:
+        if abs(reach - memory.first[i] - memory.way[i]) >= off:  # another echo than before
+            memory.first[i], memory.way[i] = reach, 0.0
+        elif memory.way[i] > off:
             bits |= 1 << i
     return bits
 

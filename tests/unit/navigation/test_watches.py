@@ -134,6 +134,17 @@ def test_a_refused_echo_that_moves_away_is_of_a_part_ahead_and_the_beam_works(
     assert out == excluded
 
 
+def test_a_part_ahead_that_is_seen_now_and_then_is_the_same_part():
+    """A swinging beam sees it for 0.3 s, then the ground for 0.1 s."""
+    beams = Beams()
+    beams.instruments["range_sigma"], beams.radar["speed"][0, :4] = 1.0, 80.0
+    for k in range(400):
+        ground = k % 8 > 5
+        beams.radar["range"][0, 3] = 3000.0 if ground else 2000.0 + 1.5 * k + (-1) ** k
+        beams.radar["speed"][0, 3] = 80.0 if ground else -30.0
+        assert beams.look(1, refused=[] if ground else [3]) == []
+
+
 def test_of_two_beams_with_an_echo_none_can_be_told_wrong():
     beams = Beams()
     assert 0 not in beams.look(15, refused=[0], silent=[2, 3])
