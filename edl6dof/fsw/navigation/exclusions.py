@@ -7,6 +7,8 @@ the solution is wrong, or dust hides the ground from all beams. The score of a r
 refused and falls by one when it is not; at the limit the reading is excluded, and after a long agreement with
 the filter it is used again. A beam without an echo in many looks in a row, while most others have one, is
 excluded as well, once the vehicle has moved on: a steep slope returns no echo, however often it is looked at.
+A refused echo that moves away, by its speed and by its range alike, raises no score: it comes from a part
+that falls ahead of the vehicle, such as the heat shield, and the beam works.
 
 The log lists, in the order of time, each instrument that is excluded or used again by ``INSTRUMENT_HEALTH``,
 and the inertial unit as out of use while too few gyros are in range for the rate.
@@ -15,6 +17,8 @@ Source: this project.
 """
 
 from __future__ import annotations
+
+from math import sqrt
 
 from edl6dof.config.base import Params, param
 from edl6dof.fsw.navigation.radar_beams import locked_beams
@@ -54,14 +58,26 @@ _SCORES = record(
     ("silent_m", "f8", (MAX_BEAMS,)),  # m: path over the ground in these looks
     ("agreed", COUNT, (MAX_BEAMS,)),  # looks in a row
 )
-BEAM_WATCH = record(("range", _SCORES), ("speed", _SCORES), ("t", "f8"))  # s: time of the last look; 0: none
+#: Echo of a beam that moves away by its speed.
+_RECEDING = record(
+    ("first", "f8", (MAX_BEAMS,)),  # m: its first range
+    ("way", "f8", (MAX_BEAMS,)),  # m: integral of its speed since then
+    ("t", "f8", (MAX_BEAMS,)),  # s: time of the last such echo
+)
+BEAM_WATCH = record(
+    ("range", _SCORES),
+    ("speed", _SCORES),
+    ("receding", _RECEDING),
+    ("t", "f8"),  # s: time of the last look; 0: none
+)
 
 
 @kernel
 def watch_beams(params, planet, instruments, radar, solution, health, memory):
     """Exclude ranges and speeds of beams, or use them again, after the filter has processed the ``radar``."""
     if params.enabled != 0 and solution.looked != 0:
-        echoes = locked_beams(radar, instruments.n_beams), steep_beams(params, instruments, solution)
+        locked, due = locked_beams(radar, instruments.n_beams), steep_beams(params, instruments, solution)
+        echoes = locked, due, receding_beams(instruments, radar, solution.t, memory.receding)
         path = (solution.t - memory.t) * ground_speed(planet, solution) if memory.t > 0.0 else 0.0
         memory.t = solution.t
         refused = solution.ranges_refused
@@ -93,13 +109,35 @@ def steep_beams(params, instruments, solution):
     return bits
 
 
+#: Standard deviations within which the range follows the speed; the way must be longer.
+_FOLLOWS = 3.0
+
+
+@kernel
+def receding_beams(instruments, radar, t, memory):
+    """Bits of the beams whose echo has moved away, by its speed and by its range alike; ``t``: s."""
+    bits = 0
+    for i in range(instruments.n_beams):
+        reach, speed = radar.range[i], radar.speed[i]
+        if radar.locked[i] == 0 or speed >= 0.0:
+            continue
+        memory.way[i] -= speed * (t - memory.t[i])
+        memory.t[i] = t
+        off = _FOLLOWS * sqrt(2.0) * (instruments.range_sigma + instruments.range_sigma_relative * reach)
+        if abs(reach - memory.first[i] - memory.way[i]) >= off:  # another echo than before
+            memory.first[i], memory.way[i] = reach, 0.0
+        elif memory.way[i] > off:
+            bits |= 1 << i
+    return bits
+
+
 @kernel
 def watch_readings(params, n_beams, echoes, refused, path, healthy, memory):
-    """Exclude ranges or speeds, or use them again. ``echoes``: beams with an echo and beams with an expected
-    echo, ``refused``: beams refused by the filter, a bit for each; ``path``: path over the ground since the
-    last look, m; ``healthy``: flags, updated.
+    """Exclude ranges or speeds, or use them again. ``echoes``: beams with an echo, with an expected echo and
+    with one that moves away, ``refused``: beams refused by the filter, a bit for each; ``path``: path over
+    the ground since the last look, m; ``healthy``: flags, updated.
     """
-    locked, due = echoes
+    locked, due, receding = echoes
     with_echo = against = 0
     for i in range(n_beams):
         with_echo += locked >> i & 1
@@ -115,7 +153,7 @@ def watch_readings(params, n_beams, echoes, refused, path, healthy, memory):
             memory.agreed[i] = 0
         elif refused >> i & 1:
             memory.agreed[i] = 0
-            memory.refused[i] += 1 if few_refused else 0
+            memory.refused[i] += 1 if few_refused and receding >> i & 1 == 0 else 0
         else:
             memory.refused[i] = max(memory.refused[i] - 1, 0)
             memory.agreed[i] += 1

@@ -19,19 +19,23 @@ def descent():
     return course.truth(ONBOARD, False)
 
 
-def flown_by(descent, first, cycles, looks=None, **changes):
-    """What the filters do over a piece of the descent; yields cycle, what was and is, readings, memory."""
+def flown_by(descent, first, cycles, looks=None, onboard=ONBOARD, excluded=(), bias=0.0, **changes):
+    """What the filters do over a piece of the descent, with beams ``excluded``, and a ``bias`` of the speeds
+    (m/s); yields cycle, what was and is, readings, memory.
+    """
     params = np.zeros(1, dtype_of(TwoFilterParams))
     fill(params[0], TwoFilterParams(**changes))
     records, memory = landing.records(), np.zeros(1, TWO_FILTER)[0]
     sensed, motion, solution, health, _ = (record[0] for record in records)
+    health["beam_speed"][list(excluded)] = 0
 
     def begin(sensed, solution):
-        start(params[0], ONBOARD[0], sensed, solution, memory)
+        start(params[0], onboard[0], sensed, solution, memory)
 
-    for k in landing.stepped(ONBOARD, descent, first, cycles, begin, records, looks):
+    for k in landing.stepped(onboard, descent, first, cycles, begin, records, looks):
         before = solution.copy()
-        correct(params[0], ONBOARD[0], health, sensed, motion, solution, memory)
+        sensed["radar"]["speed"] += bias
+        correct(params[0], onboard[0], health, sensed, motion, solution, memory)
         yield k, before, solution, sensed, memory
 
 
@@ -105,3 +109,50 @@ def test_height_and_velocity_are_found(descent, beam_state):
     height, velocity = errors(descent, k, solution)
     assert abs(height) < 0.5 and np.linalg.norm(velocity) < 0.1
     assert 0.0 < solution["sigma_v"].max() < 0.05
+
+
+@pytest.mark.parametrize(("state", "refused"), [(0, 0), (2, 0b0100)], ids=["sound again", "still wrong"])
+def test_an_excluded_beam_is_compared_and_not_used(descent, state, refused):
+    """So it is used again once it has agreed for long (``watch_beams``)."""
+    looks = np.zeros((len(descent[0]), 8), np.int64)
+    looks[:, 2] = state
+    told = [
+        (int(solution["speeds_refused"]) & 0b0100, int(solution["beams_used"]) & 0b0100)
+        for _, _, solution, _, _ in flown_by(descent, 900, 200, looks, excluded=[2])
+        if solution["looked"]
+    ]
+    assert np.mean([one == (refused, 0) for one in told]) > 0.95
+    assert all(used == 0 for _, used in told)
+
+
+def two_radars():
+    """A belief with a second radar, turned by 45 deg."""
+    onboard = ONBOARD.copy()
+    unit, lean = onboard[0]["instruments"], np.radians(25.0)
+    for k in range(4):
+        around = k * np.pi / 2.0
+        unit["beam_axis"][4 + k] = np.cos(lean), np.sin(lean) * np.cos(around), np.sin(lean) * np.sin(around)
+    unit["n_beams"] = 8
+    return onboard
+
+
+@pytest.mark.parametrize("bias", [-2.0, 4.0])
+@pytest.mark.parametrize("beam", [1, 6])
+def test_a_biased_beam_is_identified_and_no_other(descent, beam, bias):
+    """No reading of another beam counts as wrong; the velocity does not feel the bias."""
+    shifts, found = np.zeros(8), []
+    shifts[beam] = bias
+    for _, _, solution, _, _ in flown_by(descent, 900, 700, onboard=two_radars(), bias=shifts):
+        found.append(int(solution["speeds_refused"]))
+    assert np.mean([one & ~(1 << beam) != 0 for one in found]) < 0.01
+    assert np.mean([one == 1 << beam for one in found[-200:]]) > 0.9
+    assert np.linalg.norm(errors(descent, 900 + 699, solution)[1]) < 0.2
+
+
+def test_one_false_echo_alone_does_not_become_the_velocity(descent):
+    """Without another echo for 30 s, by when information from before would have faded to nothing."""
+    looks = np.ones((len(descent[0]), 8), np.int64)
+    looks[:, 2] = 2
+    for _, _, solution, _, _ in flown_by(descent, 900, 600, looks):
+        assert solution["beams_used"] == 0
+    assert np.linalg.norm(errors(descent, 900 + 599, solution)[1]) < 3.0

@@ -108,6 +108,43 @@ def test_a_range_that_is_refused_leaves_the_speed_in_use_and_the_reverse():
         assert list(beams.health[f"beam_{sound}"][0, :4]) == [1, 1, 1, 1]
 
 
+@pytest.mark.parametrize(
+    ("range_rate", "speed", "excluded"),
+    [
+        pytest.param(30.0, -30.0, [], id="part that falls ahead"),
+        pytest.param(0.0, -30.0, [3], id="range that stays"),
+        pytest.param(-80.0, -30.0, [3], id="range that falls"),
+        pytest.param(-80.0, 60.0, [3], id="ground, with a wrong speed"),
+        pytest.param(30.0, 60.0, [3], id="speed of the wrong sign"),
+        pytest.param(0.0, 0.0, [3], id="part of the vehicle itself"),
+    ],
+)
+@pytest.mark.parametrize("lost", [(), (3, 12)])
+def test_a_refused_echo_that_moves_away_is_of_a_part_ahead_and_the_beam_works(
+    range_rate, speed, excluded, lost
+):
+    """Noise of the range: 1 m, alternating; without an echo in the looks ``lost``."""
+    beams, out = Beams(), []
+    beams.instruments["range_sigma"] = 1.0
+    beams.radar["speed"][0, :4] = 80.0
+    for k in range(100):
+        beams.radar["range"][0, 3] = 2000.0 + 0.05 * k * range_rate + (-1) ** k
+        beams.radar["speed"][0, 3] = speed
+        out = beams.look(1, refused=[3], silent=[3] if k in lost else [])
+    assert out == excluded
+
+
+def test_a_part_ahead_that_is_seen_now_and_then_is_the_same_part():
+    """A swinging beam sees it for 0.3 s, then the ground for 0.1 s."""
+    beams = Beams()
+    beams.instruments["range_sigma"], beams.radar["speed"][0, :4] = 1.0, 80.0
+    for k in range(400):
+        ground = k % 8 > 5
+        beams.radar["range"][0, 3] = 3000.0 if ground else 2000.0 + 1.5 * k + (-1) ** k
+        beams.radar["speed"][0, 3] = 80.0 if ground else -30.0
+        assert beams.look(1, refused=[] if ground else [3]) == []
+
+
 def test_of_two_beams_with_an_echo_none_can_be_told_wrong():
     beams = Beams()
     assert 0 not in beams.look(15, refused=[0], silent=[2, 3])

@@ -20,6 +20,7 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import deviation
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     apply_gain,
     explained_by,
+    find_outlier,
     median,
     optimal_gain,
     predicted_variance,
@@ -58,9 +59,14 @@ TWO_FILTER = record(
     ("place_variance", "f8", (2,)),  # m2: of the position on the map north and east, after that fix
     # workspace
     ("considered", "f8", (6,)),
-    ("row", "f8", (6,)),
     ("product", "f8", (6,)),
     ("gain", "f8", (6,)),
+    ("rows", "f8", (MAX_BEAMS, 6)),
+    ("innovation", "f8", (MAX_BEAMS,)),
+    ("noise", "f8", (MAX_BEAMS,)),
+    ("rest", "f8", (MAX_BEAMS,)),
+    ("spread", "f8", (MAX_BEAMS, MAX_BEAMS)),
+    ("doubted", "f8"),  # factor on the noise of the last look, as a speed is wrong but not identified
     ("beam_errors", "f8", (MAX_BEAMS,)),
     ("ordered", "f8", (MAX_BEAMS,)),
 )
@@ -107,26 +113,29 @@ def correct(params, onboard, health, sensed, motion, solution, memory):
         _correct_position(onboard, motion.position_fix, solution, memory)
     due = sensed.radar.fresh != 0 and memory.age > params.radar_interval - 0.5 * motion.dt
     n_beams = onboard.instruments.n_beams
-    if due and count_usable_beams(health, sensed.radar, n_beams) > 0:
-        _carry_forward(params, memory)
+    echoes = count_usable_beams(health, sensed.radar, n_beams)
+    if due and echoes > 0:
+        _carry_forward(params, echoes > 1, memory)
         antenna = place_antenna(onboard, motion, solution, sensed.t)
-        speeds = _fit_speeds(params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory)
+        speeds, wrong = _fit_speeds(
+            params, onboard, health, sensed.radar, antenna, solution=solution, memory=memory
+        )
         ranges = _buffer_heights(
             params, onboard, health, sensed.radar, speeds, antenna=antenna, solution=solution, memory=memory
         )
-        solution.beams_used = speeds | ranges
-        solution.speeds_refused = locked_beams(sensed.radar, n_beams) & ~speeds
-        solution.looked = 1
+        solution.beams_used, solution.speeds_refused, solution.looked = speeds | ranges, wrong, 1
         _correct_velocity(params, solution, memory)
         _correct_height(params, solution, memory)
         _report_covariance(params, onboard, solution, memory)
 
 
 @kernel
-def _carry_forward(params, memory):
-    """Propagate the fit: the velocity error grows by the acceleration error, and old information fades."""
+def _carry_forward(params, ground_seen, memory):
+    """Propagate the fit: the velocity error grows by the acceleration error, and old information fades, but
+    not for one echo alone (``ground_seen`` false), which may not be from the ground.
+    """
     P, T = memory.covariance, memory.age
-    fade = exp(min(T / params.window, 2.0))
+    fade = exp(min(T / params.window, 2.0)) if ground_seen else 1.0
     for i in range(3):
         memory.correction[i] += T * memory.correction[3 + i]
         for j in range(3):
@@ -142,27 +151,48 @@ def _carry_forward(params, memory):
 
 
 @kernel
-def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
-    """Update with the speeds whose residuals are not too large; returns bits of these beams."""
-    instruments, used, row = onboard.instruments, 0, memory.row
-    q, velocity = antenna[0], add(antenna[2], antenna[3])
-    put3(row, 3, (0.0, 0.0, 0.0))
+def _expect_speeds(onboard, radar, antenna, memory):
+    """Fill ``rows``, ``innovation`` and ``noise`` (variance) of ``memory`` for every beam with an echo."""
+    instruments, q, velocity = onboard.instruments, antenna[0], add(antenna[2], antenna[3])
     for beam in range(instruments.n_beams):
-        solution.speed_innovation[beam] = 0.0
-        if beam_usable(health.beam_speed, radar, beam):
+        if radar.locked[beam] != 0:
             u = from_frame(q, take3(instruments.beam_axis[beam], 0))
             speed = dot(u, velocity)
-            put3(row, 0, u)
+            put3(memory.rows[beam], 0, u)
+            memory.innovation[beam] = radar.speed[beam] - speed
             own = instruments.speed_sigma + instruments.speed_sigma_relative * abs(speed)
-            variance = own**2
-            variance += predicted_variance(memory.covariance, memory.considered, row, memory.product)
-            residual = radar.speed[beam] - speed - explained_by(row, memory.correction)
-            solution.speed_innovation[beam] = residual / sqrt(variance)
-            if residual**2 <= params.edit**2 * variance:
+            memory.noise[beam] = own**2
+
+
+@kernel
+def _fit_speeds(params, onboard, health, radar, antenna, solution, memory):
+    """Update with the trusted speeds that agree; returns bits of these beams, and of those known as wrong:
+    the identified one of the trusted speeds, and the others that disagree. A wrong speed that was used before
+    it was identified may have changed the velocity by as much as this was unknown at first.
+    """
+    n_beams, used, wrong = onboard.instruments.n_beams, 0, 0
+    _expect_speeds(onboard, radar, antenna, memory)
+    locked = locked_beams(radar, n_beams)
+    left_out = find_outlier(
+        params.edit, params.velocity_sigma, 0, n_beams, locked, healthy=health.beam_speed, memory=memory
+    )
+    for beam in range(n_beams):
+        solution.speed_innovation[beam] = 0.0
+        if locked >> beam & 1:
+            row, trusted = memory.rows[beam], health.beam_speed[beam] != 0
+            variance = predicted_variance(memory.covariance, memory.considered, row, memory.product)
+            variance += memory.noise[beam]
+            residual = memory.innovation[beam] - explained_by(row, memory.correction)
+            agrees = residual**2 <= params.edit**2 * variance
+            if trusted:
+                solution.speed_innovation[beam] = residual / sqrt(variance)
+            if beam == left_out or not (trusted or agrees):
+                wrong |= 1 << beam
+            elif trusted and agrees:
                 optimal_gain(memory, variance)
                 apply_gain(memory, variance, residual)
                 used |= 1 << beam
-    return used
+    return used, wrong
 
 
 @kernel

@@ -160,6 +160,37 @@ def explained_by(row, errors):
 
 
 @kernel
+def find_outlier(gate, doubt, at, n_beams, present, healthy, memory):
+    """Index of the wrong reading among the trusted ones, or ``NONE``; if one is wrong but not identified, the
+    noise of all is increased, to which it then conforms.
+
+    A missing reading enters with zero innovation and without correlations. The velocity, at index ``at`` of a
+    row, may have a further error of standard deviation ``doubt`` (m/s).
+    """
+    spread, rest = memory.spread, memory.rest
+    for i in range(n_beams):
+        for j in range(i + 1):
+            spread[i, j] = spread[j, i] = 0.0
+        rest[i], spread[i, i] = 0.0, 1.0
+        if present >> i & 1 and healthy[i] != 0:
+            row = memory.rows[i]
+            own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
+            rest[i] = memory.innovation[i] - explained_by(row, memory.correction)
+            v = scale(doubt**2, take3(row, at))
+            spread[i, i] = own + memory.noise[i] + dot(v, take3(row, at))
+            for j in range(i):
+                if present >> j & 1 and healthy[j] != 0:
+                    common = explained_by(memory.rows[j], memory.product)
+                    common += dot(v, take3(memory.rows[j], at))
+                    spread[i, j] = spread[j, i] = common
+    wrong, memory.doubted = outlier(gate, n_beams, spread, rest)
+    for i in range(n_beams):
+        if present >> i & 1:
+            memory.noise[i] *= memory.doubted
+    return wrong
+
+
+@kernel
 def optimal_gain(memory, variance):
     """Write the gain of least variance for a reading into ``memory``; ``variance``: of the innovation, noise
     included.

@@ -20,9 +20,7 @@ from edl6dof.fsw.navigation.filters.kalman.covariance import reopen_slope
 from edl6dof.fsw.navigation.filters.kalman.measurement_update import (
     NONE,
     clear_row,
-    explained_by,
-    outlier,
-    predicted_variance,
+    find_outlier,
     reconsider,
     refused_again,
     update_by_reading,
@@ -51,36 +49,6 @@ from edl6dof.spatial.vector import add, cross, dot, put3, scale, sub, take3
 
 
 @kernel
-def find_outlier(params, n_beams, present, healthy, memory):
-    """Index of the wrong reading among the trusted ones, or ``NONE``; if one is wrong but not identified, the
-    noise of all is increased, to which it then conforms.
-
-    A missing reading enters with zero innovation and without correlations.
-    """
-    spread, rest = memory.spread, memory.rest
-    for i in range(n_beams):
-        for j in range(i + 1):
-            spread[i, j] = spread[j, i] = 0.0
-        rest[i], spread[i, i] = 0.0, 1.0
-        if present >> i & 1 and healthy[i] != 0:
-            row = memory.rows[i]
-            own = predicted_variance(memory.covariance, memory.considered, row, memory.product)
-            rest[i] = memory.innovation[i] - explained_by(row, memory.correction)
-            v = scale(params.doubt**2, take3(row, VELOCITY))
-            spread[i, i] = own + memory.noise[i] + dot(v, take3(row, VELOCITY))
-            for j in range(i):
-                if present >> j & 1 and healthy[j] != 0:
-                    common = explained_by(memory.rows[j], memory.product)
-                    common += dot(v, take3(memory.rows[j], VELOCITY))
-                    spread[i, j] = spread[j, i] = common
-    wrong, memory.doubted = outlier(params.gate, n_beams, spread, rest)
-    for i in range(n_beams):
-        if present >> i & 1:
-            memory.noise[i] *= memory.doubted
-    return wrong
-
-
-@kernel
 def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
     """Update with the readings that are trusted (``healthy``: flags) and agree; writes the normalised
     innovation of each trusted one into ``deviations``.
@@ -90,7 +58,9 @@ def update_by_beams(params, n_beams, present, healthy, up, memory, deviations):
         unless most are refused, and the refused ones of the others; number of trusted readings; number of
         trusted readings refused, and their least squared innovation.
     """
-    left_out = find_outlier(params, n_beams, present, healthy, memory)
+    left_out = find_outlier(
+        params.gate, params.doubt, VELOCITY, n_beams, present, healthy=healthy, memory=memory
+    )
     used, wrong, tried, against, least = 0, 0, 0, 0, 0.0
     for beam in range(n_beams):
         deviations[beam] = 0.0
