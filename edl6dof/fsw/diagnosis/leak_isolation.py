@@ -13,7 +13,8 @@ Without a meter, a leak is suspected when force and torque show that a valve ope
 does not respond; the branch is used again if nothing changes when it is closed. Where a shock (a separation,
 an opening canopy) may have hidden the opening of a valve, the branch is closed for a moment as soon as this
 would show a leak, unless its thrusters respond to commands before that. All branches that can be verified
-are closed and opened together: a single valve leaks, and force and torque show which one.
+are closed and opened together: a single valve leaks, and force and torque show which one. If thrusters of
+two branches explain the movements almost equally well, the best branch is tested again, alone.
 
 A valve that opens and shuts at random follows the latch valve in some looks only, and the others do not
 exclude it: the likelihood of a look is the mean of those of "open" and "shut". No look counts for more than
@@ -60,9 +61,10 @@ UNDER_WAY, NAMED, METER_FAILED, HEALTHY = range(4)
 #: a look.
 MIXED, LOOK = 1, 3
 PATIENCE = 25  # cycles in which a thruster in use may respond before its branch is closed to verify it
-FEW_LOOKS = 2  # a branch is closed to verify it only if so many looks are expected to decide
+FEW_LOOKS = 4  # a branch is closed to verify it only if so many looks are expected to decide
 LEAST_LOOKS = 3  # in fewer an opening parachute can resemble a thruster; one less if a meter shows the leak
 MOST_LOOKS = 20  # looks after which a leak that a meter shows is named, and any other suspicion dropped
+ALIKE = 0.5  # share of the evidence for the best candidate from which another one may be the leaking one
 SUPPORT = 1.0  # evidence of looks above which they support a leak; in a large disturbance chance gives less
 
 LEAK = record(
@@ -296,13 +298,13 @@ def step_leak_isolation(params, signals, flow, residual, memory):
 
     The time between movements varies, as a canopy that breathes at their frequency would resemble a thruster.
     """
-    b, count = memory.branch, signals.vehicle.n_thrusters
+    b, vehicle, count = memory.branch, signals.vehicle, signals.vehicle.n_thrusters
     memory.cycles += 1
     unmoved = memory.looks == 0 and memory.open != memory.metered
     # cycles in which the innovations still depend on the leak before the branch was closed: when it began is
     # not known, and its signature would have the wrong sign
     past = TAPS + signals.lag / signals.dt if memory.metered != 0 else 0.0
-    if unmoved and (memory.cycles < past or is_commanded(b, signals.vehicle, residual)):
+    if unmoved and (memory.cycles < past or is_commanded(b, vehicle, residual)):
         return UNDER_WAY, 0.0
     add_cycle(signals, residual, memory)
     if MIXED < memory.cycles <= MIXED + LOOK:
@@ -322,7 +324,9 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         if memory.metered == 0 and not sure and is_in_vain(params, signals, residual, most, memory):
             return HEALTHY, confidence
         if sure and memory.looks >= least or memory.metered != 0 and memory.looks >= MOST_LOOKS:
-            return NAMED, confidence
+            if not is_ambiguous(vehicle, most, memory):
+                return NAMED, confidence
+            confirm(signals, vehicle.branches.of[memory.best], memory)
     if memory.cycles >= MIXED + LOOK + memory.looks % 3:
         memory.open = 1 - memory.open
         for k in range(MAX_BRANCHES):
@@ -331,6 +335,34 @@ def step_leak_isolation(params, signals, flow, residual, memory):
         memory.flow, memory.cycles = 0.0, 0
     presume_leak(signals, residual, memory)
     return UNDER_WAY, 0.0
+
+
+@kernel
+def is_ambiguous(vehicle, most, memory):
+    """Return whether a candidate of another branch explains the looks almost as well as the best one, which
+    has the evidence ``most``: errors of effectiveness and noise model grow with the evidence.
+    """
+    branch = vehicle.branches.of[memory.best]
+    for i in range(vehicle.n_thrusters):
+        other = memory.candidate[i] != 0 and vehicle.branches.of[i] != branch
+        if other and memory.found[i] > ALIKE * most:
+            return True
+    return False
+
+
+@kernel
+def confirm(signals, b, memory):
+    """Test branch ``b`` alone, and use the others again: thrusters that act almost alike, and were shut off
+    together, differ then.
+    """
+    for k in range(MAX_BRANCHES):
+        if k != b:
+            memory.tested[k] = memory.latch_closed[k] = 0
+    for i in range(signals.vehicle.n_thrusters):
+        if memory.candidate[i] != 0 and signals.vehicle.branches.of[i] != b:
+            memory.candidate[i], signals.healthy[i] = 0, 1
+    memory.branch, memory.looks = b, 0
+    memory.found[:] = memory.random[:] = 0.0
 
 
 @kernel

@@ -17,6 +17,7 @@ from edl6dof.interface.effectors import STUCK_ON
 from edl6dof.kernels import kernel
 
 SUDDEN = 25.0  # weighted square of innovations from which forces change suddenly
+SEEN = 16.0  # the same of two cycles from which openings are looked for: 10 are expected of noise
 
 
 @kernel
@@ -51,12 +52,18 @@ def stored_square(g, cycles, residual):
 
 
 @kernel
-def changes(cycles, residual):
-    """Return whether the ``cycles`` oldest of the stored innovations show that forces change suddenly."""
+def total_square(cycles, residual):
+    """Return the weighted sum of squares of the ``cycles`` oldest stored innovations of all planes."""
     square = 0.0
     for g in range(PLANES):
         square += stored_square(g, cycles, residual)
-    return square >= SUDDEN
+    return square
+
+
+@kernel
+def changes(cycles, residual):
+    """Return whether the ``cycles`` oldest of the stored innovations show that forces change suddenly."""
+    return total_square(cycles, residual) >= SUDDEN
 
 
 @kernel
@@ -86,7 +93,7 @@ def suspect_leak(params, signals, residual, flow, leak, memory):
     ``leak``: ``LEAK`` record; thrusters whose opening may have been hidden are marked. While a latch valve is
     moved, no other is suspected.
     """
-    if not changes(2, residual):
+    if total_square(2, residual) < SEEN:
         return
     most = LARGEST if leak.branch != NONE else max(params.onset, 2.0 * memory.evidence)
     for i in range(signals.vehicle.n_thrusters):

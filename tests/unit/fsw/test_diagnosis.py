@@ -71,6 +71,7 @@ class Watch:
         self.onboard, self.fsw, self.sensed = onboard.copy(), np.zeros(1, FSW), np.zeros(1, SENSED)
         self.onboard["flow_meters"], self.vehicle = metered, onboard[0]["vehicle"]
         self.effectiveness, self.rng = effectiveness, np.random.default_rng(seed)
+        self.true_effectiveness = effectiveness.copy()
         self.fsw["effectiveness"]["matrix"], self.params = effectiveness, self.onboard["diagnosis"]
         fill(self.params[0], DiagnosisParams(**settings))
         self.memory, self.activity = self.fsw["diagnosis"], self.fsw["estimation"]["activity"]
@@ -108,7 +109,7 @@ class Watch:
         noise = self.rng.normal(0.0, [2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
         believed = (1.0 - self.loss)[:, np.newaxis] * self.effectiveness
         self.fsw["effectiveness"]["matrix"] = believed
-        self.unexplained[:] = given @ self.effectiveness - share @ believed + noise + disturbance
+        self.unexplained[:] = given @ self.true_effectiveness - share @ believed + noise + disturbance
         self.activity["share"], self.activity["wrench"] = share, share @ believed
         self.count(given if flows else share)
         look(self.onboard, self.sensed, self.fsw, self.t)
@@ -476,6 +477,22 @@ def test_without_meters_an_opening_that_a_jerk_hides_is_found_by_the_latch_valve
         out = watch.mates(NAMES.index(name)) if fault else []
         assert np.flatnonzero(watch.healthy == 0).tolist() == list(out)
         assert np.flatnonzero(watch.shut).tolist() == ([watch.branch[out[0]]] if fault else [])
+
+
+@pytest.mark.parametrize(("leaking", "alike"), [("D1", "D8"), ("D8", "D1"), ("A1", "A4")])
+def test_of_two_thrusters_that_act_alike_the_latch_valve_of_one_alone_decides(watch_of, leaking, alike):
+    """The leak acts more like that of a thruster of another branch than its own effectiveness says."""
+    watch, number, other = watch_of(7, metered=False), NAMES.index(leaking), NAMES.index(alike)
+    own, others = watch.effectiveness[number], watch.effectiveness[other]
+    watch.true_effectiveness[number] = 0.45 * own + 0.55 * others
+    jerk = np.array([0.0, 300.0, 300.0, 0.0, 900.0, -900.0])
+    for _ in range(100):
+        watch.cycle()
+    for k in range(300):
+        disturbance = jerk * (-0.9) ** k if k < 60 else 0.0
+        watch.cycle((number, "stuck on", 0.0), use=0.0, disturbance=disturbance)
+    assert watch.found == [(leaking, "stuck on")]
+    assert np.flatnonzero(watch.healthy == 0).tolist() == list(watch.mates(number))
 
 
 def test_without_meters_no_branch_is_closed_whose_thrusters_all_fire(watch_of):
