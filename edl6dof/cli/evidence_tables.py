@@ -29,16 +29,7 @@ from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.missions.agreement import is_calibrated
 from edl6dof.missions.bands import in_bands
 from edl6dof.missions.mission import Compared, percentiles
-from edl6dof.missions.write import (
-    HEADS,
-    OUTSIDE,
-    causes,
-    cells,
-    distances,
-    failures,
-    heading,
-    outcome,
-)
+from edl6dof.missions.write import HEADS, OUTSIDE, causes, cells, distances, failures, heading, outcome
 from edl6dof.report.document import significant
 from edl6dof.report.terminal import comparison, open_table, print_whole, published_table
 from edl6dof.runs.files import atomic_file, refuse_existing_file

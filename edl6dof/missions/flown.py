@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from edl6dof.campaign.executor import Collect
 from edl6dof.config.base import REQUIRED, STATUS_MARKS, Params, param
 from edl6dof.config.document.document import Document
 from edl6dof.config.document.locate import shipped_folders, shown
@@ -75,14 +74,9 @@ class Trajectory(NamedTuple):
         return {SERIES + name: values.tolist() for name, values in found.items()}
 
 
-def collector(flown: Trajectory | None) -> Collect | None:
-    """Return what collects the channels of each flight; ``None`` if there is nothing to compare with."""
-    return None if flown is None else flown.of
-
-
 def trajectory_of(document: Document) -> Trajectory | None:
-    """Read the trajectory that a scenario file names, beside it or beside the shipped scenarios; ``None`` if
-    it names none.
+    """Read the trajectory that a scenario file names, in its folder or in that of the shipped scenarios;
+    ``None`` if it names none.
 
     Raises:
         ConfigError: the entry is no text, or what :func:`read_trajectory` refuses.
@@ -90,8 +84,8 @@ def trajectory_of(document: Document) -> Trajectory | None:
     if document.data.get(FLOWN) is None:
         return None
     own = Document({FLOWN: document.data[FLOWN]}, dict(document.marks), files=document.files)
-    name, beside = validate(FlownFile, own).flown, Path(own.mark((FLOWN,)).file).parent
-    places = [folder / name for folder in (beside, *shipped_folders("scenarios"))]
+    name, own_folder = validate(FlownFile, own).flown, Path(own.mark((FLOWN,)).file).parent
+    places = [folder / name for folder in (own_folder, *shipped_folders("scenarios"))]
     return read_trajectory(next((path for path in places if isfile(path)), places[0]))
 
 
@@ -131,6 +125,6 @@ def _named(heading: Sequence[str]) -> tuple[Sequence[str], list[str]]:
     if TIME not in heading:
         wrong.append(f"lacks the column {TIME}, seconds since the start of the simulation")
     if not set(heading) & set(COLUMNS):
-        wrong.append(f"has no channel beside {TIME}, such as speed_m_s")
+        wrong.append(f"has no column but {TIME}: add one such as speed_m_s")
     wrong += [f"the column {name} stands twice" for name in sorted(set(heading)) if heading.count(name) > 1]
     return [name if name in known else "" for name in heading], wrong

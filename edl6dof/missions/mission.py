@@ -32,7 +32,7 @@ from edl6dof.metrics.figures import FigureOfMerit
 from edl6dof.metrics.published import COUNTED, PublishedFigure, PublishedPair, published_figures
 from edl6dof.missions.agreement import Distance, distance, percentile, score
 from edl6dof.missions.bands import Band, bands
-from edl6dof.missions.flown import Trajectory, collector, read_trajectory, trajectory_of
+from edl6dof.missions.flown import Trajectory, read_trajectory, trajectory_of
 from edl6dof.scenario.loading import CALIBRATION
 
 PUBLISHED, CAMPAIGN = "published", "campaign"
@@ -62,7 +62,7 @@ class Mission:
         def counted(done: int, row: Row) -> None:
             progress(done, self.plan.count)
 
-        cases, collect = self.plan.cases(), collector(self.flown)
+        cases, collect = self.plan.cases(), self.flown.of if self.flown else None
         return list(fly_rows(self.plan.loaded, cases, workers=workers, collect=collect, progress=counted))
 
 

@@ -72,7 +72,7 @@ def test_any_channels_are_read_by_their_names(csv):
                 "5:1: has 2 entries, its heading 3",
             ],
         ),
-        ("# [P] x\nt_s\n1\n", ["2:1: has no channel beside t_s, such as speed_m_s"]),
+        ("# [P] x\nt_s\n1\n", ["2:1: has no column but t_s: add one such as speed_m_s"]),
         ("# [P] x\nt_s,mach\n", ["2:1: has a heading and no row"]),
         ("# [P] x\n", [": is empty"]),
     ],

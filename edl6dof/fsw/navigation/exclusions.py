@@ -61,7 +61,7 @@ _SCORES = record(
 #: Echo of a beam that moves away by its speed.
 _RECEDING = record(
     ("first", "f8", (MAX_BEAMS,)),  # m: its first range
-    ("way", "f8", (MAX_BEAMS,)),  # m: integral of its speed since then
+    ("travel", "f8", (MAX_BEAMS,)),  # m: integral of its speed since then
     ("t", "f8", (MAX_BEAMS,)),  # s: time of the last such echo
 )
 BEAM_WATCH = record(
@@ -109,7 +109,7 @@ def steep_beams(params, instruments, solution):
     return bits
 
 
-#: Standard deviations within which the range follows the speed; the way must be longer.
+#: Standard deviations within which the range follows the speed; the travel must be longer.
 _FOLLOWS = 3.0
 
 
@@ -121,12 +121,12 @@ def receding_beams(instruments, radar, t, memory):
         reach, speed = radar.range[i], radar.speed[i]
         if radar.locked[i] == 0 or speed >= 0.0:
             continue
-        memory.way[i] -= speed * (t - memory.t[i])
+        memory.travel[i] -= speed * (t - memory.t[i])
         memory.t[i] = t
         off = _FOLLOWS * sqrt(2.0) * (instruments.range_sigma + instruments.range_sigma_relative * reach)
-        if abs(reach - memory.first[i] - memory.way[i]) >= off:  # another echo than before
-            memory.first[i], memory.way[i] = reach, 0.0
-        elif memory.way[i] > off:
+        if abs(reach - memory.first[i] - memory.travel[i]) >= off:  # another echo than before
+            memory.first[i], memory.travel[i] = reach, 0.0
+        elif memory.travel[i] > off:
             bits |= 1 << i
     return bits
 

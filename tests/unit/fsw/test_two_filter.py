@@ -116,13 +116,13 @@ def test_an_excluded_beam_is_compared_and_not_used(descent, state, refused):
     """So it is used again once it has agreed for long (``watch_beams``)."""
     looks = np.zeros((len(descent[0]), 8), np.int64)
     looks[:, 2] = state
-    told = [
+    reported = [
         (int(solution["speeds_refused"]) & 0b0100, int(solution["beams_used"]) & 0b0100)
         for _, _, solution, _, _ in flown_by(descent, 900, 200, looks, excluded=[2])
         if solution["looked"]
     ]
-    assert np.mean([one == (refused, 0) for one in told]) > 0.95
-    assert all(used == 0 for _, used in told)
+    assert np.mean([one == (refused, 0) for one in reported]) > 0.95
+    assert all(used == 0 for _, used in reported)
 
 
 def two_radars():
