@@ -1,7 +1,7 @@
 """The gas of a planet's atmosphere: properties for the air, the flow around the vehicle and the heating.
 
-Sources: vibration of molecules as harmonic oscillators, Vincenti and Kruger, Introduction to Physical Gas
-Dynamics (1965), chapter IV.12; stagnation heating, Sutton and Graves, NASA TR R-376 (1971).
+Source: vibration of molecules as harmonic oscillators, Vincenti and Kruger, Introduction to Physical Gas
+Dynamics (1965), chapter IV.12.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import Annotated
 
 import numpy as np
 
-from edl6dof.config.base import REQUIRED, Capacity, Params, param
+from edl6dof.config.base import REQUIRED, Capacity, Params, group, param
 from edl6dof.config.dtype import extended, fill
+from edl6dof.environment.heating import RadiationParams
 from edl6dof.environment.profiles import cubic, cubic_coefficients
 from edl6dof.kernels import kernel
 from edl6dof.spatial.elementary import exp
@@ -87,6 +88,7 @@ class GasParams(Params):
             "speed^3), kg^0.5/m"),
         status="published", source="planet file", gt=0.0, le=1.0,
     usual=(3e-5, 0.001, "hydrogen to argon"))  # fmt: skip
+    radiation: RadiationParams = group(RadiationParams, "radiative heating at the stagnation point")
 
 
 #: Spacing (K) and number of the rows in which the ratio of specific heats is tabulated; cubics between them
@@ -153,9 +155,3 @@ def ratio_of_specific_heats(gas, temperature):
 def inverse_knudsen_number(gas, rho, length):
     """``length`` (m) over the mean free path m / (sqrt(2) pi d^2 rho) of hard spheres; ``rho`` in kg/m3."""
     return sqrt(2.0) * pi * gas.molecular_diameter**2 * rho * length / gas.molecular_mass
-
-
-@kernel
-def stagnation_heat_flux(gas, rho, nose_radius, speed):
-    """Convective heat flux (W/m2) at the stagnation point (Sutton and Graves, NASA TR R-376, 1971)."""
-    return gas.sutton_graves_constant * sqrt(rho / nose_radius) * speed * speed * speed

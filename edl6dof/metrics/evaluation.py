@@ -14,6 +14,7 @@ import numpy as np
 from edl6dof.config.errors import Named, UnknownName
 from edl6dof.config.text_table import text_table
 from edl6dof.config.units import split_unit
+from edl6dof.environment.heating import wall_temperature
 from edl6dof.metrics.figures import BALANCES, DECLARED, FIGURES, LIMITS, Flown, Source, figure_of_merit
 from edl6dof.spatial.arrays import interpolate
 from edl6dof.spatial.elementary import asin, atan2, cos, sin
@@ -147,6 +148,8 @@ def peak_figures(plant: np.void, peaks: np.void, when: dict[str, float]) -> dict
         "peak_load_g0": peaks["entry_load"],
         "peak_dynamic_pressure_pa": peaks["dynamic_pressure"],
         "peak_heat_flux_w_cm2": peaks["heat_flux"],
+        "peak_radiative_heat_flux_w_cm2": peaks["radiative_heat_flux"],
+        "peak_wall_temperature_k": wall_temperature(peaks["heat_flux"]),
         "heat_load_j_cm2": plant["y"][HEAT],
     }
     if "mortar" in when:

@@ -256,6 +256,8 @@ FIGURES: tuple[FigureOfMerit, ...] = (
     _F("peak_load_g0", "peak load of the entry", "peaks", limit="entry_load_g0"),
     _F("peak_dynamic_pressure_pa", "peak dynamic pressure", "peaks", limit="entry_dynamic_pressure_pa"),
     _F("peak_heat_flux_w_cm2", "peak heat flux", "peaks", limit="entry_heat_flux_w_cm2"),
+    _F("peak_radiative_heat_flux_w_cm2", "peak radiative heat flux", "peaks"),
+    _F("peak_wall_temperature_k", "peak temperature of a wall that radiates all heat", "peaks"),
     _F("heat_load_j_cm2", "heat load", "peaks"),
     _F("trim_aoa_limit_cycle_deg", "limit cycle in trim", "telemetry", form=limit_cycle),
     _F("trim_aoa_propellant_kg", "propellant used in trim", "telemetry", form=trim_propellant),

@@ -183,6 +183,7 @@ def record(case, plant, outputs, sensed, fsw, tick):
     )
     truth.load = norm(take3(out.specific_force_B, 0))
     truth.heat_flux, truth.heat_load = out.heat_flux, y[HEAT]
+    truth.radiative_heat_flux = out.radiative_heat_flux
     truth.engine_thrust, truth.riser_tension, truth.footpads = out.engine_thrust, out.riser_tension, out.pads
     if plant.canopy == EXTRACTING or plant.canopy == INFLATING:
         truth.canopy_east, truth.canopy_north, truth.canopy_up = to_local(

@@ -128,7 +128,8 @@ OUTPUTS = record(
     ("inertia", "f8", (6,)),
     ("mach", "f8"),
     ("dynamic_pressure", "f8"),
-    ("heat_flux", "f8"),
+    ("heat_flux", "f8"),  # convective and radiative
+    ("radiative_heat_flux", "f8"),
     ("wing_opening", "f8"),  # smallest of the surfaces commanded to open
     ("aero_force_B", "f8", (3,)),
     ("aero_moment_B", "f8", (3,)),
@@ -170,6 +171,7 @@ PEAKS = record(
     ("dynamic_pressure_time", "f8"),
     ("heat_flux", "f8"),
     ("heat_flux_time", "f8"),
+    ("radiative_heat_flux", "f8"),
     ("riser_tension", "f8"),
 )
 

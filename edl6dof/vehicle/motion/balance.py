@@ -163,4 +163,5 @@ def update_peaks(plant, outputs, peaks):
         peaks.dynamic_pressure, peaks.dynamic_pressure_time = outputs.dynamic_pressure, plant.t
     if outputs.heat_flux > peaks.heat_flux:
         peaks.heat_flux, peaks.heat_flux_time = outputs.heat_flux, plant.t
+    peaks.radiative_heat_flux = max(peaks.radiative_heat_flux, outputs.radiative_heat_flux)
     peaks.riser_tension = max(peaks.riser_tension, outputs.riser_tension)

@@ -8,7 +8,7 @@ propellant is used, both below 1e-4 of the control torque.
 
 from __future__ import annotations
 
-from edl6dof.environment.gas import stagnation_heat_flux
+from edl6dof.environment.heating import convective_heat_flux, radiative_heat_flux
 from edl6dof.interface.capacities import MAX_ENGINES, MAX_TANKS
 from edl6dof.kernels import inlined_kernel, kernel
 from edl6dof.spatial.elementary import acos, sincos
@@ -177,7 +177,10 @@ def loads(case, tables, plant, t, rotation, y, outputs):
     out.sin_lat, out.cos_lat, out.sin_lon, out.cos_lon, out.altitude, out.height_above_areoid = place
     out.density, out.pressure, out.temperature, out.speed_of_sound = gas
     out.mach, out.dynamic_pressure = mach, qbar
-    out.heat_flux = stagnation_heat_flux(case.planet.gas, out.density, case.vehicle.nose_radius, norm(v_air))
+    speed, nose_radius = norm(v_air), case.vehicle.nose_radius
+    out.radiative_heat_flux = radiative_heat_flux(case.planet.gas.radiation, out.density, nose_radius, speed)
+    convective = convective_heat_flux(case.planet.gas, out.density, nose_radius, speed)
+    out.heat_flux = convective + out.radiative_heat_flux
     for i in range(4):
         out.q_I2B[i] = q[i]
     put3(out.v_air_B, 0, v_air)
