@@ -28,9 +28,11 @@ class RadiationParams(Params):
     coefficient_w_cm2: float = param(
         0.0, "heat flux for a nose radius of 1 m, density 1 kg/m3 and f = 1", ge=0.0
     )
-    density_exponent: float = param(0.0, "b", ge=0.0, le=3.0)
+    density_exponent: float = param(0.0, "b, exponent of the density", ge=0.0, le=3.0)
     radius_exponent: Vec3 = param(
-        (0.0, 0.0, 0.0), "a: a factor, times powers of speed (m/s) and density (kg/m3) with these exponents"
+        (0.0, 0.0, 0.0),
+        "a, exponent of the nose radius: a factor, times powers of speed (m/s) and density (kg/m3) with "
+        "these exponents",
     )
     largest_radius_exponent: Vec3 = param(
         (1.0, 1.0, 1.0), "largest a for nose radii below 1 m, below 2 m, and above"

@@ -53,8 +53,8 @@ class InitialState(Params):
     speed_m_s: float | None = _either(
         "speed relative to the rotating planet; needed without velocity_ned_m_s",
         ge=0.0,
-        le=20000.0,
-        usual=(0, 20000, "drop tests to returns from the outer solar system"),
+        le=60000.0,
+        usual=(0, 48000, "drop tests to entries at Jupiter"),
     )
     flight_path_angle_deg: float | None = _either(
         "flight-path angle, negative downwards; needed without velocity_ned_m_s", ge=-90.0, le=90.0
