@@ -11,7 +11,7 @@ import pytest
 
 import edl6dof
 from edl6dof.environment.atmosphere import ATMOSPHERE, AtmosphereParams, air, air_inputs, fill_atmosphere
-from edl6dof.environment.atmosphere_table import build_table
+from edl6dof.environment.atmosphere_table import build_table, profile_path
 from edl6dof.environment.gas import GAS, GasParams, fill_gas
 
 DATA = Path(edl6dof.__file__).parent / "data" / "atmosphere"
@@ -80,6 +80,19 @@ def test_other_tables_load_too():
         assert (rho, t) == pytest.approx((density, temperature), rel=1e-12)
         if h <= 80:  # higher up the gas of the table gets lighter
             assert (p, a) == pytest.approx((pressure, sound), rel=1e-2)
+
+
+def test_the_profile_of_phoenix_is_a_column_in_balance_of_carbon_dioxide():
+    """Rows copied by hand: p = rho R T, and pressure falls by rho g, as gravity falls with height."""
+    name = "phoenix_tes_limb.csv"
+    rows = np.genfromtxt(profile_path(name), delimiter=",", comments="#", skip_header=3)
+    h, temperature, pressure, rho = rows[:, 0] * 1e3, *rows[:, 1:].T
+    np.testing.assert_allclose(pressure / (rho * temperature), 191.0, rtol=0.007)
+    r = 3.3762e6 + h  # polar radius
+    gravity = 4.2828e13 / (r * r)
+    fallen = -np.diff(np.log(pressure))
+    weight = 0.5 * (gravity / temperature)[1:] + 0.5 * (gravity / temperature)[:-1]
+    np.testing.assert_allclose(fallen, weight * np.diff(h) / 191.0, rtol=0.015)
 
 
 @pytest.mark.parametrize("pick", [lambda s: np.log(s[0]), lambda s: s[2]], ids=["ln density", "temperature"])
