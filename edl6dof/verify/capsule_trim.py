@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from math import exp, pi, sqrt
 from pathlib import Path
@@ -14,7 +13,7 @@ import edl6dof
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.verify import case
-from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, History, Report, Result, fit, flown, largest
+from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, Bench, fit, largest
 
 _TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"
 DIAMETER = 3.4
@@ -95,7 +94,7 @@ def _stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
     return sqrt(-push * slope / inertia), push * DIAMETER**2 / (2.0 * speed * inertia)
 
 
-def capsule_trim(planted: Sequence[str] = ()) -> Report:
+def capsule_trim(bench: Bench) -> None:
     """Verifies: trim angle and pitch frequency of the capsule with an offset centre of mass, at Mach 2 and
     Mach 15.
 
@@ -106,25 +105,23 @@ def capsule_trim(planted: Sequence[str] = ()) -> Report:
     swing).
 
     Swing 0.05 deg about trim and measure the middle and the frequency.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    results, result = [], partial(Result, source="published table by PCHIP, linearised")
+    compare = partial(bench.compare, source="published table by PCHIP, linearised")
     for mach, density in ((2.0, 1e-2), (15.0, 1e-3)):
-        nominal, flight = flown(_scene(mach, density), planted)
+        nominal, flight = bench.flown(_scene(mach, density))
         t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
         expected, _ = _stiffness(nominal, mach)
         found, middle = fit(t, alpha, complex(0.0, expected))
         trim, off = abs(middle + TRIM_DEG), abs(found.imag / expected - 1.0)
         about = {"verifies": "static moment, CG offset", "why": "square of the swing"}
-        results.append(result(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about))
+        compare(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about)
         about = {"verifies": "static stability", "why": "slope changes within the swing"}
-        results.append(result(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about))
+        compare(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about)
     curve = -TRIM_DEG + (alpha[0] + TRIM_DEG) * np.cos(expected * t)
-    return Report(results, History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve))
+    bench.plot("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve)
 
 
-def damping(planted: Sequence[str] = ()) -> Report:
+def damping(bench: Bench) -> None:
     """Verifies: growth and decay of the pitch oscillation by the damping derivative.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source:
@@ -132,11 +129,8 @@ def damping(planted: Sequence[str] = ()) -> Report:
     sigma: curvature of the static moment within the swing of 0.05 deg leaks into the envelope.
 
     Swing with Cmq = -1 and +1 and measure the growth of the envelope.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    results, mach = [], 15.0
-    about = ("pitch damping", "linearised pitch equation", "curvature of the moment")
+    mach, about = 15.0, ("pitch damping", "linearised pitch equation", "curvature of the moment")
     for cmq in (-1.0, 1.0):
         table = (
             "vehicle.aero.capsule.damping_factor=1",
@@ -144,23 +138,22 @@ def damping(planted: Sequence[str] = ()) -> Report:
             "vehicle.aero.capsule.damping_angle_deg=[0]",
             f"vehicle.aero.capsule.damping_table=[[{cmq}]]",
         )
-        nominal, flight = flown(_scene(mach, 1e-3, table), planted)
+        nominal, flight = bench.flown(_scene(mach, 1e-3, table))
         t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
         frequency, unit = _stiffness(nominal, mach)
         sigma = 0.5 * unit * cmq
         found, _ = fit(t, alpha, complex(sigma, frequency))
         error = abs(found.real / sigma - 1.0)
-        results.append(Result(f"growth rate, Cmq {cmq:+g}", error, 1e-3, "-", *about))
+        bench.compare(f"growth rate, Cmq {cmq:+g}", error, 1e-3, "-", *about)
     envelope, swing = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t), alpha + TRIM_DEG
-    labels = ("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)")
-    return Report(results, History(*labels, t, swing, envelope))
+    bench.plot("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)", t, swing, envelope)
 
 
 #: Roll angle (deg) by which the offset of the centre of mass is turned from the z axis.
 _TURNED_DEG = 35.0
 
 
-def offset_trim(planted: Sequence[str] = ()) -> Report:
+def offset_trim(bench: Bench) -> None:
     """Verifies: trim of the capsule with a centre of mass off the axis in y and z, at Mach 15.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: a
@@ -169,8 +162,6 @@ def offset_trim(planted: Sequence[str] = ()) -> Report:
     the trim error of ``capsule_trim``: a flight that begins off the trim swings to its other side.
 
     Begin at this trim and compare angle of attack and sideslip for 20 s.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     mach, trim, turn = 15.0, np.radians(TRIM_DEG), np.radians(_TURNED_DEG)
     apart = Published(mach).offset() * np.array([-np.sin(turn), np.cos(turn)])
@@ -181,25 +172,17 @@ def offset_trim(planted: Sequence[str] = ()) -> Report:
         f"initial.alpha_deg={alpha!r}",
         f"initial.beta_deg={beta!r}",
     )
-    rows = flown(_scene(mach, 1e-3, trimmed), planted)[1].telemetry
-    about = (
-        "-",
-        "static moment, CG offset in y and z",
-        "published table by PCHIP, turned",
-        "twice the trim error",
-    )
-    results = [
-        Result(name, largest(rows[f"truth.{name}_deg"] - angle), 2e-3, "deg", *about[1:])
-        for name, angle in (("alpha", alpha), ("beta", beta))
-    ]
-    return Report(results)
+    rows = bench.flown(_scene(mach, 1e-3, trimmed))[1].telemetry
+    about = "static moment, CG offset in y and z", "published table by PCHIP, turned", "twice the trim error"
+    for name, angle in (("alpha", alpha), ("beta", beta)):
+        bench.compare(name, largest(rows[f"truth.{name}_deg"] - angle), 2e-3, "deg", *about)
 
 
 #: Knudsen number, and share of the free-molecular coefficient: sin^2 of 0, pi/8, pi/4, 3 pi/8, pi/2.
 _SHARES = {1e-3: 0.0, 1e-2: 0.5 - sqrt(0.125), 0.1: 0.5, 1.0: 0.5 + sqrt(0.125), 10.0: 1.0, 1e3: 1.0}
 
 
-def bridging(planted: Sequence[str] = ()) -> Report:
+def bridging(bench: Bench) -> None:
     """Verifies: axial force from continuum to free-molecular flow, at Mach 15.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule at zero angle of attack | source:
@@ -209,11 +192,8 @@ def bridging(planted: Sequence[str] = ()) -> Report:
     spheres | tolerance 1e-9: quadrature of the capsule's surface.
 
     Compare the axial coefficient at the start of flights in six densities.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    mach, results = 15.0, []
-    dense = float(Published(mach).axial(0.0))
+    mach, dense = 15.0, float(Published(15.0).axial(0.0))
     about = ("-", "rarefied flow", "published table, momentum of molecules", "quadrature of the surface")
     start = (
         "initial.alpha_deg=0",
@@ -225,12 +205,11 @@ def bridging(planted: Sequence[str] = ()) -> Report:
     path = gas.molecular_mass_kg / (sqrt(2.0) * pi * gas.molecular_diameter_m**2)
     for knudsen, share in _SHARES.items():
         density = path / (knudsen * DIAMETER)
-        nominal, flight = flown(_scene(mach, density, start), planted)
+        nominal, flight = bench.flown(_scene(mach, density, start))
         push = 0.5 * density * nominal.initial.speed**2 * pi / 4.0 * DIAMETER**2
         found = -float(flight.telemetry["truth.aero_force_x_n"][0]) / push
         error = abs(found - dense - share * (2.0 - dense))
-        results.append(Result(f"axial coefficient, Kn {knudsen:g}", error, 1e-9, *about))
-    return Report(results)
+        bench.compare(f"axial coefficient, Kn {knudsen:g}", error, 1e-9, *about)
 
 
 _MASS, _ALTITUDE, _SCALE, _RADIUS, _MU = 1285.0, 10e3, 200.0, 3396190.0, 4.282837285418775e13
@@ -266,7 +245,7 @@ def _glide(table: Published) -> tuple[str, ...]:
     )
 
 
-def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
+def equilibrium_glide(bench: Bench) -> None:
     """Verifies: lift, drag and the curvature of the planet together, on a glide from 80 % to 35 % of circular
     energy.
 
@@ -280,11 +259,9 @@ def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
     order, the slow phugoid from the start, and the change of weight with altitude are not included.
 
     Glide for 130 s; compare lift and weight at each speed, and the range.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     table = Published(30.0)
-    rows = flown(_glide(table), planted)[1].telemetry
+    rows = bench.flown(_glide(table))[1].telemetry
     t, v, r = rows["t_s"], rows["truth.speed_m_s"], _RADIUS + rows["truth.altitude_m"]
     u = v**2 * r / _MU
     short = 4.0 * _SCALE / (r * table.lift_to_drag**2 * u)
@@ -295,9 +272,7 @@ def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
     steeper = 1.0 - short - 2.0 * _SCALE / (r * u * (1.0 - u))
     expected = float(-0.5 * r.mean() * table.lift_to_drag * np.trapezoid(1.0 / ((1.0 - u) * steeper), u))
     off, why = abs(flown_range / expected - 1.0), "second order of the glide's approximation"
-    result = partial(Result, source="Eggers, Allen & Neice, NACA 1382", why=why)
-    results = (
-        result("lift against weight", largest(ratio - 1.0), 1e-2, verifies="lift over a curved planet"),
-        result("range", off, 1e-2, verifies="lift-to-drag ratio"),
-    )
-    return Report(results, History("Equilibrium glide", "time (s)", "lift (m/s2)", t, lift, lift / ratio))
+    compare = partial(bench.compare, source="Eggers, Allen & Neice, NACA 1382", why=why)
+    compare("lift against weight", largest(ratio - 1.0), 1e-2, verifies="lift over a curved planet")
+    compare("range", off, 1e-2, verifies="lift-to-drag ratio")
+    bench.plot("Equilibrium glide", "time (s)", "lift (m/s2)", t, lift, lift / ratio)

@@ -1,5 +1,5 @@
 """Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a given
-state, measurements in them, and comparisons.
+state, measurements in them, and the bench on which a case flies, compares and plots.
 """
 
 from __future__ import annotations
@@ -157,14 +157,35 @@ def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scena
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
-def flown(
-    overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
-) -> tuple[Scenario, Flight]:
-    """Return the scenario of the expected values, and the flight to the end called ``ends``; arguments as for
-    :func:`scenes` and :func:`to_the_end`.
+class Bench:
+    """One run of a check case.
+
+    Attributes:
+        planted: overrides of the flown scenarios alone, see :func:`scenes`.
+        results: comparisons so far.
+        history: curves of the plot, if the case has one.
     """
-    nominal, loaded = scenes(overrides, planted)
-    return nominal, to_the_end(loaded, ends=ends)
+
+    def __init__(self, planted: Sequence[str] = ()) -> None:
+        self.planted, self.results = planted, list[Result]()
+        self.history: History | None = None
+
+    def scenes(self, overrides: Sequence[str]) -> tuple[Scenario, LoadedScenario]:
+        """Return the scenario of the expected values, and the one to fly."""
+        return scenes(overrides, self.planted)
+
+    def flown(self, overrides: Sequence[str], ends: str = "time limit") -> tuple[Scenario, Flight]:
+        """Return the scenario of the expected values, and the flight to the end called ``ends``."""
+        nominal, loaded = self.scenes(overrides)
+        return nominal, to_the_end(loaded, ends=ends)
+
+    def compare(self, quantity: str, error: float, tolerance: float, *about: str, **named: str) -> None:
+        """Note a comparison; ``about``: unit, verifies, source and why of :class:`Result`."""
+        self.results.append(Result(quantity, error, tolerance, *about, **named))
+
+    def plot(self, title: str, x_label: str, y_label: str, *curves: np.ndarray) -> None:
+        """Plot x, and y as flown and as expected."""
+        self.history = History(title, x_label, y_label, *curves)
 
 
 def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "time limit") -> Flight:
@@ -181,12 +202,18 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
     """The initial state after ``change(plant, fsw)`` of its records, mass properties made consistent."""
-    tables = records.build_tables(loaded.truth)
-    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
-    plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+    case = records.build_case(loaded.truth, records.build_tables(loaded.truth))
+    plant = records.initial_plant(loaded.truth, case)
+    fsw = records.initial_fsw(records.build_onboard(loaded.scenario))
     change(plant[0], fsw[0])
     prepare(case, plant)
     return State(0, plant, records.initial_peaks(), records.initial_sensors(), fsw, "")
+
+
+def records_of(loaded: LoadedScenario) -> tuple[np.void, np.void]:
+    """Case and tables of the flown scenario."""
+    tables = records.build_tables(loaded.truth)
+    return records.build_case(loaded.truth, tables)[0], tables[0]
 
 
 def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:

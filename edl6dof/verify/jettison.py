@@ -10,8 +10,6 @@ together: 1e-5 there, RK4 turns a riser of 30 rad/s in steps of 10 ms.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -21,7 +19,7 @@ from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.verify import case
-from edl6dof.verify.case import Report, Result, doing, scenes, state_of, to_the_end
+from edl6dof.verify.case import Bench, doing, state_of, to_the_end
 
 _SCENE = (
     *(*case.BARE, *case.VACUUM, *case.WEIGHTLESS, *case.ENDLESS),
@@ -83,18 +81,13 @@ def _balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds
     return float(max(np.linalg.norm(c) for c in change) / impulse)
 
 
-def run(planted: Sequence[str] = ()) -> Report:
-    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
-    """
-    results = []
+def jettison(bench: Bench) -> None:
+    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums."""
     for name, action, component, part, seconds, tolerance in _PARTINGS:
         scene = [*_SCENE, *doing((action, component, 0.0)), f"simulation.time_limit_s={seconds}"]
-        nominal, loaded = scenes(scene, planted)
+        nominal, loaded = bench.scenes(scene)
         flight = to_the_end(loaded)
         error = _balance(nominal, state_of(loaded), flight, part, seconds)
         why = "rounding" if tolerance < 1e-6 else "line stretch, stiff riser"
         about = ("-", "separation and riser", "conservation of momentum", why)
-        results.append(Result(f"{name}, {seconds:g} s", error, tolerance, *about))
-    return Report(results)
+        bench.compare(f"{name}, {seconds:g} s", error, tolerance, *about)
