@@ -303,16 +303,9 @@ STACKS: dict[str, tuple[Stack, ...]] = {
 ALL_STACKS: dict[str, Stack] = {
     stack.key: stack
     for stack in (
-        *(OVERVIEW, NEAR_GROUND, *STACKS["guidance"]),
-        *(NAV_POSITION, NAV_ATTITUDE, NAV_LANDING, NAV_TOUCHDOWN, NAV_INNOVATION),
-        *(
-            *STACKS["attitude"],
-            TORQUE,
-            PROPELLANT_AND_MASS,
-            DISTURBANCE,
-            *STACKS["chute"],
-            *STACKS["landing"],
-        ),
+        *(OVERVIEW, NEAR_GROUND, *STACKS["guidance"], NAV_POSITION, NAV_ATTITUDE, NAV_LANDING),
+        *(NAV_TOUCHDOWN, NAV_INNOVATION, *STACKS["attitude"], TORQUE, PROPELLANT_AND_MASS, DISTURBANCE),
+        *(*STACKS["chute"], *STACKS["landing"]),
     )
 }
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
@@ -105,9 +105,8 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        number = (
-            f"{mach:.2f}" if math.isfinite(mach) and not landed else ""
-        )  # on the ground it is that of the wind
+        flying = math.isfinite(mach) and not landed  # on the ground the number is that of the wind
+        number = f"{mach:.2f}" if flying else ""
         cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
@@ -172,23 +171,14 @@ def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
 
     A ``narrow`` table has smaller gaps between its columns, and breaks no cell into lines.
     """
-    table = Table(
-        title=Text(title, style="bold") if title else None,
-        title_justify="left",
-        header_style="",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1, 0, 0) if narrow else (0, 1),
-    )
+    look: Any = {"title_justify": "left", "header_style": "", "box": box.SIMPLE_HEAD, "pad_edge": False}
+    table = Table(title=Text(title, style="bold") if title else None, **look)
+    table.padding = (0, 1, 0, 0) if narrow else (0, 1)
+    look = {"overflow": "fold", "vertical": "bottom" if narrow else "top"}
     for column in columns:
         numbers = column.endswith(">")
-        table.add_column(
-            column.rstrip(">"),
-            justify="right" if numbers else "left",
-            no_wrap=narrow or numbers,
-            overflow="fold",
-            vertical="bottom" if narrow else "top",
-        )
+        side: JustifyMethod = "right" if numbers else "left"
+        table.add_column(column.rstrip(">"), justify=side, no_wrap=narrow or numbers, **look)
     return table
 
 

@@ -86,13 +86,13 @@ def vehicle_figure(vehicle: VehicleParams, states: Sequence[Configuration]) -> F
         low -= [2.0 * room, 0.0]
     half, middle = 0.5 * (high - low).max(axis=0) + room, 0.5 * (high + low)
     panels = []
-    for (view, traces), (x, y) in zip(views, middle, strict=True):
-        corner = np.array([x - half[0] + 0.9 * room, y + half[1] - 0.9 * room])
+    for (view, traces), at in zip(views, middle, strict=True):
+        corner = at + (half - 0.9 * room) * [-1.0, 1.0]
         place = np.stack([view.right, view.up], axis=1) @ corner
         axes = Arrows("", ("x", "y", "z"), np.tile(place, (3, 1)), np.eye(3), INK, 1.3 * room)
         traces += _arrows(axes, view, shape.size)
-        across = Axis(view.axes[0], (x - half[0], x + half[0]))
-        up = Axis(view.axes[1], (y - half[1], y + half[1]))
+        ends = zip(view.axes, at - half, at + half, strict=True)
+        across, up = (Axis(title, (low, high)) for title, low, high in ends)
         panels.append(Panel(across, up, traces, title=view.title, equal=True))
     height = round(_WIDE * half[1] / half[0]) + _WORDS
     title = f"{vehicle.name}; arrows show the exhaust"
@@ -221,13 +221,14 @@ def authority_tables(vehicle: VehicleParams, states: Sequence[Configuration]) ->
     for state in states:
         rows: list[Row] = []
         for group, (pure, total) in state.groups.items():
-            named = [group, _thrust([jet.thrust_n for jet in members[group]]), "", ""]
-            kinds = ("torque (N m)", "  sum", "force (N)", "  sum")
-            values = (pure[3:], total[3:], pure[:3], total[:3])
-            rows += [
-                [name, kind, *map(_number, of.ravel())]
-                for name, kind, of in zip(named, kinds, values, strict=True)
-            ]
+            thrust = _thrust([jet.thrust_n for jet in members[group]])
+            for name, kind, values in (
+                (group, "torque (N m)", pure[3:]),
+                (thrust, "  sum", total[3:]),
+                ("", "force (N)", pure[:3]),
+                ("", "  sum", total[:3]),
+            ):
+                rows.append([name, kind, *map(_number, values.ravel())])
         place = ", ".join(f"{round(x, 3) + 0.0:.3f}" for x in state.centre_m)
         caption = f"Thruster authority {state.name}, centre of mass at ({place}) m"
         tables += [Table(columns, rows, caption)] if rows else []

@@ -25,8 +25,7 @@ def campaign_report(folder: Path) -> Report:
     """Return the report of a campaign, finished or not, without sections that would be empty."""
     results = Results(folder)
     about = [str(results.document.get("description") or ""), *margins.injected(results)]
-    matrix: list[Block] = []
-    share = f": {results.success}" if results.is_sample else ""
+    share, matrix = f": {results.success}" if results.is_sample else "", list[Block]()
     words = f"{results.success.successes} of {results.success.trials} flights succeed{share}"
     mood = _mood(results)
     if results.has_faults:
@@ -66,21 +65,18 @@ def _mood(results: Results) -> Mood:
 
 
 def _facts(results: Results) -> list[Fact]:
-    facts = [
-        Fact("flights", f"{len(results.cases):,}"),
-        Fact("success", in_percent(results.success.value, 2), _mood(results)),
-    ]
+    share, mood = in_percent(results.success.value, 2), _mood(results)
+    facts = [Fact("flights", f"{len(results.cases):,}"), Fact("success", share, mood)]
     if not results.is_sample:
         return facts
     low, high = results.success.interval
     facts.append(Fact("95 % interval", f"{100.0 * low:.2f} .. {in_percent(high, 2)}"))
     if results.has("landing_distance_m"):
         distance = results["landing_distance_m"] / 1e3
-        facts += [
-            Fact(f"{percent(share)} land within", f"{margins.in_words(results, distance, share)} km")
-            for share in margins.shown_shares(results)[-1:]
-            if quantile(distance, share)
-        ]
+        for most in margins.shown_shares(results)[-1:]:
+            if quantile(distance, most):
+                within = margins.in_words(results, distance, most)
+                facts.append(Fact(f"{percent(most)} land within", f"{within} km"))
     return facts
 
 

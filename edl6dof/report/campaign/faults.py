@@ -43,13 +43,10 @@ def headline(results: Results) -> tuple[str, Mood]:
     """
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
-    words = (
-        f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits; "
-        f"{every['kind_right']:,} of {counted(every['can_be_known'], 'fault')} that can be known "
-        "rightly named"
-    )
+    kept = f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits"
+    named = f"{every['kind_right']:,} of {counted(every['can_be_known'], 'fault')} that can be known"
     good = all(met) and (bool(met) or every["within_limits"] == every["flights"])
-    return words, "good" if good else "warn"
+    return f"{kept}; {named} rightly named", "good" if good else "warn"
 
 
 def blocks(results: Results) -> Iterator[Block]:
@@ -87,8 +84,10 @@ def became(row: Row) -> int:
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    flown = (Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad") for one in acceptance)
-    rows = [(one["meaning"], cell, one["limit"]) for one, cell in zip(acceptance, flown, strict=True)]
+    rows: list[Row] = []
+    for one in acceptance:
+        flown = Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad")
+        rows.append((one["meaning"], flown, one["limit"]))
     return Table(("", "flown>", "required>"), rows, "What is required")
 
 
@@ -101,10 +100,8 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
         flights = str(group["flights"]), _share(group["within_limits"], group["flights"])
         named = (_share(group[part], known) for part in ("name_right", "kind_right"))
         longest = (f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst"))
-        wrong = str(group["with_wrong_isolations"])
-        rows.append(
-            (group["kind"].replace("_", " "), group["regime"], *flights, str(known), *named, wrong, *longest)
-        )
+        head, wrong = (group["kind"].replace("_", " "), group["regime"]), str(group["with_wrong_isolations"])
+        rows.append((*head, *flights, str(known), *named, wrong, *longest))
     return Table(columns, rows, "Each kind of fault")
 
 
@@ -178,10 +175,8 @@ def _figure(
         Panel(*axes, [*legend, *crosses], heat=kinds, title="Result of fault isolation"),
         Panel(*axes, crosses, heat=taken, title="Time from first use to the right isolation (s)"),
     ]
-    caption = (
-        f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and the "
-        "median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
-    )
+    caption = f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and"
+    caption += " the median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
     height = 90 + _ROW_PX * len(down)
     return Figure(key, title.replace("_", " "), panels, caption, share_x=True, height=height)
 

@@ -60,10 +60,8 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
     if len(panels) == 1:  # add the plane of yaw rate over pitch rate
         marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
         panels.append(_plane(("pitch rate", "deg/s"), "yaw rate", _ways(rates[1], rates[2], phases), marks))
-    caption = (
-        f"{_meanings(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
-        "gains at bandwidth 1."
-    )
+    caption = "Axes are cut to the flown part and the nearest borders, which are drawn for the gains at "
+    caption = f"{_meanings(panels)}{caption}bandwidth 1."
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import cycle, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -35,8 +35,7 @@ def figures(run: Run) -> Iterator[Figure]:
     """Draw the whole flight and the entry."""
     yield overview(run)
     yield from over_flight(run, [NEAR_GROUND])
-    entry = entry_state(run)
-    if entry is not None:
+    if (entry := entry_state(run)) is not None:
         yield altitude_velocity(run, entry)
         yield drag_velocity(run, entry)
     if "mortar" in run.when:
@@ -48,19 +47,17 @@ def overview(run: Run) -> Figure:
     figure = figure_of(run, OVERVIEW)
     phases = [name for name in run.phase_names if f"phase.{name}" in run.when]
     spans = pairwise([*(run.when[f"phase.{name}"] for name in phases), float(run.t[-1])])
-    bands = [Band(PHASES[k % len(PHASES)], x=span, opacity=0.75) for k, span in enumerate(spans)]
+    bands = [Band(colour, x=span, opacity=0.75) for colour, span in zip(cycle(PHASES), spans, strict=False)]
     panels = [replace(panel, bands=bands) for panel in figure.panels]
-    entries = [
-        legend_entry(name.replace("_", " "), band.colour, border=True)
-        for name, band in zip(phases, bands, strict=True)
-    ]
+    named = zip(phases, bands, strict=True)
+    entries = [legend_entry(name.replace("_", " "), band.colour, border=True) for name, band in named]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
     caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
     return replace(figure, panels=panels, caption=caption)
 
 
-def on_scale(panel: Panel) -> tuple[Panel, str]:
-    """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
+def on_scale(key: str, title: str, panel: Panel, caption: str) -> Figure:
+    """Return a figure without the borders that lie outside its scales, which the caption names."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
     kept, beyond = list[Trace](), list[str]()
     for trace in panel.traces:
@@ -69,7 +66,9 @@ def on_scale(panel: Panel) -> tuple[Panel, str]:
             kept.append(trace)
         elif trace.name and np.isfinite(trace.y).any():
             beyond.append(trace.name)
-    return replace(panel, traces=kept), f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    caption += f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    title += " in the corridor" if any(one.border and one.kind == "line" for one in kept) else ""
+    return Figure(key, title, [replace(panel, traces=kept)], caption, height=380)
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
@@ -85,17 +84,12 @@ def drag_velocity(run: Run, entry: Entry) -> Figure:
         given = np.where(reference > 0.0, reference, np.nan)
         traces.append(Trace(speed, given, "reference", colour=GREY, width=2.2))
     traces.append(flown(speed, aerodynamic_accelerations(run, rows)[0]))
-    panel = Panel(
-        Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0)),
-        Axis("drag acceleration (m/s²)", (0.0, top)),
-        traces,
-    )
-    panel, beyond = on_scale(panel)
     caption = "The flight runs from left to right."
     if found:
         caption += " Borders are limits of the scenario, turned into drag by this flight's own aerodynamics."
-    caption += beyond
-    return Figure("drag_velocity", _titled("Drag over speed", panel), [panel], caption, height=380)
+    x = Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0))
+    panel = Panel(x, Axis("drag acceleration (m/s²)", (0.0, top)), traces)
+    return on_scale("drag_velocity", "Drag over speed", panel, caption)
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
@@ -109,20 +103,12 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
         traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
     names = {key: EVENTS[key] for key in ("trim_wing", "mortar")}
     events = placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3))
-    panel = Panel(
-        Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0)),
-        Axis("height above the areoid (km)", (-5.0, float(height[rows].max()))),
-        [*traces, flown(speed, height), events],
-    )
-    panel, beyond = on_scale(panel)
+    x = Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0))
+    y = Axis("height above the areoid (km)", (-5.0, float(height[rows].max())))
     above = "; it must stay above the borders of its limits" if found else ""
-    caption = f"The flight runs from left to right{above}.{beyond}"
-    return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
-
-
-def _titled(words: str, panel: Panel) -> str:
-    """A title from ``words``, with the corridor added if the panel shows a border of it."""
-    return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
+    caption = f"The flight runs from left to right{above}."
+    panel = Panel(x, y, [*traces, flown(speed, height), events])
+    return on_scale("altitude_velocity", "Height over speed", panel, caption)
 
 
 def deployment_box(run: Run) -> Figure:
@@ -229,7 +215,7 @@ class Border(NamedTuple):
 def borders(run: Run, entry: Entry) -> list[Border]:
     """Return borders for the limits that the scenario sets."""
     limit = run.scenario["limits"]
-    found = []
+    found = list[Border]()
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
         pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
         drag = pressure * entry.drag_per_pressure
