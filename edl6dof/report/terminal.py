@@ -14,7 +14,7 @@ from rich.text import Text
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.metrics.published import Published, PublishedPair, published_figures
-from edl6dof.report.document import Report, as_cell
+from edl6dof.report.document import Report, as_cell, decimals
 from edl6dof.report.document import Table as ReportTable
 from edl6dof.report.document import Text as Paragraph
 
@@ -232,7 +232,7 @@ def _published_places(value: float) -> int:
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
     """Format value and limit with three digits of the limit, or more if rounding would hide a violation."""
-    places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
+    places = min(decimals(limit, 3), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1
     return (f"{value:,.{places}f}" if math.isfinite(value) else "-"), f"{limit:,.{places}f}"

@@ -31,11 +31,9 @@ class Spread(NamedTuple):
 
 def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, float]]:
     """True values of ``runs`` flights by path; a longer series begins with the flights of a shorter."""
-    normal = np.random.default_rng(seed).standard_normal((runs, len(spreads)))
-    return [
-        {s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)}
-        for row in normal
-    ]
+    rows = np.random.default_rng(seed).standard_normal((runs, len(spreads))).tolist()
+    drawn = (zip(spreads, row, strict=True) for row in rows)
+    return [{s.path: s.mean + s.three_sigma / 3.0 * x for s, x in pairs} for pairs in drawn]
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
@@ -112,10 +110,9 @@ def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> G
     most = max(flights.values(), default=0)
     bounded = [share for share in SHARES if flights_needed(share) <= most]
     heads = [words for share in map(percent, bounded) for words in (share, f"{share} from", f"{share} to")]
-    refused = [
-        f"{percent(share)} needs {flights_needed(share):,}" for share in SHARES if share not in bounded
-    ]
-    too_small = f"; n = {most} too small: {', '.join(refused)}" if refused else ""
+    others = (share for share in SHARES if share not in bounded)
+    refused = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in others)
+    too_small = f"; n = {most} too small: {refused}" if refused else ""
     rows = []
     for name, sample in samples.items():
         found = [quantile(sample, share, flown=True) for share in bounded]

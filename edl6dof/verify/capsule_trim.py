@@ -13,7 +13,7 @@ import edl6dof
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.verify import case
-from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, Bench, fit, largest
+from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, Bench, fit, given, largest
 
 _TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"
 DIAMETER = 3.4
@@ -50,12 +50,9 @@ class Published:
 #: A capsule of the published table as it stands, in a gas whose ratio of specific heats is one number.
 HEAT_CAPACITY_RATIO = 1.29
 _CAPSULE = (
-    *(*BARE, *ONE_BODY, *ENDLESS, NO_RATE),
-    "vehicle.aero.capsule.axial_factor=1",
-    f"planet.gas.heat_capacity_ratio={HEAT_CAPACITY_RATIO}",
-    "planet.gas.vibrations=[]",
-    "initial.beta_deg=0",
-    "initial.bank_deg=0",
+    *(*BARE, *ONE_BODY, *ENDLESS, NO_RATE, "vehicle.aero.capsule.axial_factor=1"),
+    *given("planet.gas", heat_capacity_ratio=HEAT_CAPACITY_RATIO, vibrations=[]),
+    *given("initial", beta_deg=0, bank_deg=0),
 )
 
 
@@ -67,17 +64,12 @@ def _scene(mach: float, density: float, extra: tuple[str, ...] = ()) -> tuple[st
     """
     sound = sqrt(HEAT_CAPACITY_RATIO * 191.0 * 214.0)
     return (
-        *(*_CAPSULE, *case.WEIGHTLESS, *case.UNIFORM),
-        "vehicle.mass.entry_kg=1e9",
-        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {Published(mach).offset()!r}]",
-        "vehicle.aero.capsule.damping_factor=0",
+        *(*_CAPSULE, *case.WEIGHTLESS, *case.UNIFORM, "vehicle.aero.capsule.damping_factor=0"),
+        *given("vehicle.mass", entry_kg=1e9, entry_centre_m=[STATION, 0, Published(mach).offset()]),
         f"atmosphere.exponential.density_kg_m3={density}",
-        f"initial.speed_m_s={mach * sound!r}",
-        "initial.altitude_m=1000000",
-        "initial.flight_path_angle_deg=0",
-        f"initial.alpha_deg={-TRIM_DEG + 0.05}",
-        "simulation.time_limit_s=20",
-        *extra,
+        *given("initial", speed_m_s=mach * sound, altitude_m=1e6),
+        *given("initial", flight_path_angle_deg=0, alpha_deg=-TRIM_DEG + 0.05),
+        *("simulation.time_limit_s=20", *extra),
     )
 
 
@@ -132,13 +124,9 @@ def damping(bench: Bench) -> None:
     """
     mach, about = 15.0, ("pitch damping", "linearised pitch equation", "curvature of the moment")
     for cmq in (-1.0, 1.0):
-        table = (
-            "vehicle.aero.capsule.damping_factor=1",
-            "vehicle.aero.capsule.damping_mach=[6]",
-            "vehicle.aero.capsule.damping_angle_deg=[0]",
-            f"vehicle.aero.capsule.damping_table=[[{cmq}]]",
-        )
-        nominal, flight = bench.flown(_scene(mach, 1e-3, table))
+        table = {"damping_mach": [6], "damping_angle_deg": [0], "damping_table": [[cmq]]}
+        damped = given("vehicle.aero.capsule", damping_factor=1, **table)
+        nominal, flight = bench.flown(_scene(mach, 1e-3, damped))
         t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
         frequency, unit = _stiffness(nominal, mach)
         sigma = 0.5 * unit * cmq
@@ -167,11 +155,8 @@ def offset_trim(bench: Bench) -> None:
     apart = Published(mach).offset() * np.array([-np.sin(turn), np.cos(turn)])
     u, v, w = np.cos(trim), np.sin(trim) * np.sin(turn), -np.sin(trim) * np.cos(turn)
     alpha, beta = float(np.degrees(np.arctan2(w, u))), float(np.degrees(np.arcsin(v)))
-    trimmed = (
-        f"vehicle.mass.entry_centre_m=[{STATION}, {float(apart[0])!r}, {float(apart[1])!r}]",
-        f"initial.alpha_deg={alpha!r}",
-        f"initial.beta_deg={beta!r}",
-    )
+    centre = f"vehicle.mass.entry_centre_m={[STATION, *apart.tolist()]}"
+    trimmed = (centre, *given("initial", alpha_deg=alpha, beta_deg=beta))
     rows = bench.flown(_scene(mach, 1e-3, trimmed))[1].telemetry
     about = "static moment, CG offset in y and z", "published table by PCHIP, turned", "twice the trim error"
     for name, angle in (("alpha", alpha), ("beta", beta)):
@@ -196,10 +181,8 @@ def bridging(bench: Bench) -> None:
     mach, dense = 15.0, float(Published(15.0).axial(0.0))
     about = ("-", "rarefied flow", "published table, momentum of molecules", "quadrature of the surface")
     start = (
-        "initial.alpha_deg=0",
-        "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-        "initial.altitude_m=1000",
-        "simulation.time_limit_s=0.02",
+        *("vehicle.mass.entry_centre_m=[-0.85, 0, 0]", "simulation.time_limit_s=0.02"),
+        *given("initial", alpha_deg=0, altitude_m=1000),
     )
     gas = case.scenes(())[0].planet.gas
     path = gas.molecular_mass_kg / (sqrt(2.0) * pi * gas.molecular_diameter_m**2)
@@ -225,23 +208,14 @@ def _glide(table: Published) -> tuple[str, ...]:
     density = 2.0 * weight / (table.lift * pi / 4.0 * DIAMETER**2 * speed2)
     slope = -np.degrees(2.0 * _SCALE / (_R * table.lift_to_drag * _START))
     return (
-        *_CAPSULE,
-        f"planet.equatorial_radius_m={_RADIUS}",
-        "planet.gravity.model=central",
-        f"planet.gravity.mu_m3_s2={_MU}",
-        "planet.gas.molecular_diameter_m=1e-8",
-        "atmosphere.model=exponential",
+        *(*_CAPSULE, "atmosphere.model=exponential", "simulation.time_limit_s=130"),
+        *(f"planet.equatorial_radius_m={_RADIUS}", "planet.gas.molecular_diameter_m=1e-8"),
+        *given("planet.gravity", model="central", mu_m3_s2=_MU),
         f"atmosphere.exponential={{density_kg_m3: {density * exp(_ALTITUDE / _SCALE)!r}, "
         f"scale_height_m: {_SCALE}, temperature_k: 5}}",
-        f"vehicle.mass.entry_kg={_MASS}",
-        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {table.offset()!r}]",
-        f"initial.altitude_m={_ALTITUDE}",
-        f"initial.speed_m_s={float(np.sqrt(speed2))!r}",
-        f"initial.flight_path_angle_deg={float(slope)!r}",
-        "initial.latitude_deg=0",
-        "initial.azimuth_deg=90",
-        f"initial.alpha_deg={-TRIM_DEG}",
-        "simulation.time_limit_s=130",
+        *given("vehicle.mass", entry_kg=_MASS, entry_centre_m=[STATION, 0, table.offset()]),
+        *given("initial", altitude_m=_ALTITUDE, latitude_deg=0, azimuth_deg=90, alpha_deg=-TRIM_DEG),
+        *given("initial", speed_m_s=float(np.sqrt(speed2)), flight_path_angle_deg=float(slope)),
     )
 
 

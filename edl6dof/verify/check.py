@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from edl6dof.report.figure import Axis, Figure, Panel, Trace
+from edl6dof.report.figure import Figure
 from edl6dof.report.matplotlib_figure import matplotlib_figure
 from edl6dof.verify.capsule_trim import bridging, capsule_trim, damping, equilibrium_glide, offset_trim
-from edl6dof.verify.case import Bench, History, NotInstalledError, Report
+from edl6dof.verify.case import Bench, NotInstalledError, Report
 from edl6dof.verify.entries import allen_eggers, heating, point_mass
 from edl6dof.verify.free_motion import kepler, rk4_order, symmetric_top, tumbling
 from edl6dof.verify.jettison import jettison
@@ -55,9 +55,6 @@ def run_case(name: str) -> Report:
     return replace(report, name=name, seconds=time.perf_counter() - begin)
 
 
-def draw(history: History, path: Path) -> None:
-    """Write a PNG of the curves; what was expected is thin and dashed on top."""
-    flown = Trace(history.x, history.flown, "flown", width=3.0)
-    expected = Trace(history.x, history.expected, "expected", dash="dash", width=1.2, border=True)
-    panel = Panel(Axis(history.x_label), Axis(history.y_label), [flown, expected])
-    matplotlib_figure(Figure("history", history.title, [panel])).savefig(path, format="png", dpi=140)
+def draw(history: Figure, path: Path) -> None:
+    """Write the plot of a case as PNG."""
+    matplotlib_figure(history).savefig(path, format="png", dpi=140)

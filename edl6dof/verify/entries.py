@@ -11,17 +11,13 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.config.units import G0
 from edl6dof.scenario.schema import Scenario
-from edl6dof.verify.case import FREE, NO_RATE, Bench, largest
+from edl6dof.verify.case import FREE, NO_RATE, Bench, given, largest
 
 _STRAIGHT = (
-    *(*FREE, NO_RATE),
-    "atmosphere.model=exponential",
-    "vehicle.aero.model=constant",
+    *(*FREE, NO_RATE, "atmosphere.model=exponential", "vehicle.aero.model=constant"),
     "vehicle.aero.constant={drag_coefficient: 1.5, reference_area_m2: 9, moment_reference_x_m: -0.85}",
-    "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-    "vehicle.mass.entry_kg=400",
-    "initial.flight_path_angle_deg=-90",
-    "simulation.time_limit_s=60",
+    *given("vehicle.mass", entry_centre_m=[-0.85, 0, 0], entry_kg=400),
+    *("initial.flight_path_angle_deg=-90", "simulation.time_limit_s=60"),
 )
 
 
@@ -90,18 +86,12 @@ def heating(bench: Bench) -> None:
 
 
 _BANKED = (
-    "dynamics=point_mass",
-    "mission={goal: time, phases: []}",
-    "planet.flattening=0",
-    "planet.areoid=''",
-    "planet.gravity.model=central",
-    "atmosphere.model=exponential",
-    "wind.model=none",
-    "terrain.model=none",
+    *("dynamics=point_mass", "mission={goal: time, phases: []}"),
+    *("planet.flattening=0", "planet.areoid=''", "planet.gravity.model=central"),
+    *("atmosphere.model=exponential", "wind.model=none", "terrain.model=none"),
     "vehicle.aero.model=lift_drag",
     "vehicle.aero.lift_drag={reference_area_m2: 9.0, drag_coefficient: 1.6, lift_to_drag: 0.2}",
-    "initial.bank_deg=55",
-    "simulation.time_limit_s=150",
+    *("initial.bank_deg=55", "simulation.time_limit_s=150"),
 )
 
 

@@ -11,17 +11,14 @@ from scipy.special import ellipj, ellipk
 
 from edl6dof.config.base import stated
 from edl6dof.sim.flight import Flight
-from edl6dof.verify.case import BARE, FREE, NO_RATE, Bench, largest, vectors
+from edl6dof.verify.case import BARE, FREE, NO_RATE, Bench, given, largest, vectors
 
 _ORDER = (
-    *BARE,
-    "flight_software.rates.base_hz=5",
-    "atmosphere.model=exponential",
-    "vehicle.aero.model=constant",
+    *(*BARE, "flight_software.rates.base_hz=5"),
+    *("atmosphere.model=exponential", "vehicle.aero.model=constant"),
     "vehicle.aero.constant={drag_coefficient: 1.5, pitch_damping: -0.5, reference_area_m2: 9, chord_m: 3.4, "
     "moment_reference_x_m: -1.2}",
-    "initial.altitude_m=45000",
-    "initial.rate_deg_s=[5, 20, 3]",
+    *given("initial", altitude_m=45000, rate_deg_s=[5, 20, 3]),
     "simulation.time_limit_s=20",
 )
 _PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 10), "rate": slice(10, 13)}
@@ -51,17 +48,10 @@ def rk4_order(bench: Bench) -> None:
 
 
 _ORBIT = (
-    *(*FREE, NO_RATE),
-    "planet.gravity.model=central",
-    "initial.altitude_m=5e6",
-    "initial.latitude_deg=20",
-    "initial.azimuth_deg=60",
-    "initial.speed_m_s=1900",
-    "initial.flight_path_angle_deg=0",
-    "simulation.step_s=0.1",
-    "flight_software.rates.base_hz=5",
-    "simulation.log_every=100",
-    "simulation.time_limit_s=16000",
+    *(*FREE, NO_RATE, "planet.gravity.model=central", "flight_software.rates.base_hz=5"),
+    *given("initial", altitude_m=5e6, latitude_deg=20, azimuth_deg=60),
+    *given("initial", speed_m_s=1900, flight_path_angle_deg=0),
+    *given("simulation", step_s=0.1, log_every=100, time_limit_s=16000),
 )
 
 
@@ -116,12 +106,9 @@ def _rotation(flight: Flight) -> tuple[np.ndarray, np.ndarray, Rotation]:
 
 
 _TUMBLING = (
-    *FREE,
-    "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 1000]",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[0.0, 0.5, 30.0]",
-    "simulation.time_limit_s=1000",
-    "simulation.log_every=10",
+    *(*FREE, "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 1000]"),
+    *given("initial", speed_m_s=0, rate_deg_s=[0.0, 0.5, 30.0]),
+    *given("simulation", time_limit_s=1000, log_every=10),
 )
 
 
@@ -174,10 +161,8 @@ def tumbling(bench: Bench) -> None:
 
 
 _TOP = (
-    *FREE,
-    "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 900]",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[60, 20, 0]",
+    *(*FREE, "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 900]"),
+    *given("initial", speed_m_s=0, rate_deg_s=[60, 20, 0]),
     "simulation.time_limit_s=200",
 )
 

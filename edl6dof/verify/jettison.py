@@ -19,14 +19,12 @@ from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.verify import case
-from edl6dof.verify.case import Bench, doing, state_of, to_the_end
+from edl6dof.verify.case import Bench, doing, given, state_of, to_the_end
 
 _SCENE = (
     *(*case.BARE, *case.VACUUM, *case.WEIGHTLESS, *case.ENDLESS),
     "planet.equatorial_radius_m=1000",
-    "initial.altitude_m=1000",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[10, -20, 11]",
+    *given("initial", altitude_m=1000, speed_m_s=0, rate_deg_s=[10, -20, 11]),
 )
 #: Action and component of the event at t = 0, part that leaves (as the canopy, or on its own), seconds flown,
 #: tolerance.

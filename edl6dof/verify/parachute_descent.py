@@ -14,23 +14,16 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.verify import case
-from edl6dof.verify.case import Bench, fit, largest, scenes, state_of, to_the_end, vectors
+from edl6dof.verify.case import Bench, fit, given, largest, scenes, state_of, to_the_end, vectors
 
 _GRAVITY = 3.72
 _CENTRE = -1.0
 _SCENE = (
     *(*case.BARE, *case.FLAT, *case.UNIFORM, *case.ONE_BODY, *case.ENDLESS),
-    f"vehicle.mass.entry_centre_m=[{_CENTRE}, 0, 0]",
-    "vehicle.mass.entry_kg=1100",
-    "vehicle.parts.parachute_pack.mass_kg=38",
-    "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
-    "vehicle.parts.parachute_pack.inertia_kg_m2=[0, 0, 0]",
-    "vehicle.parachutes.main.confluence_m=[-3.9, 0, 0]",
-    "vehicle.parachutes.main.trim_angle_deg=0",
-    "vehicle.parachutes.main.pack_drag_area_m2=0",
-    "initial.latitude_deg=0",
-    "initial.longitude_deg=0",
-    "initial.altitude_m=20000",
+    *given("vehicle.mass", entry_kg=1100, entry_centre_m=[_CENTRE, 0, 0]),
+    *given("vehicle.parts.parachute_pack", mass_kg=38, centre_m=[-1, 0, 0], inertia_kg_m2=[0, 0, 0]),
+    *given("vehicle.parachutes.main", confluence_m=[-3.9, 0, 0], trim_angle_deg=0, pack_drag_area_m2=0),
+    *given("initial", latitude_deg=0, longitude_deg=0, altitude_m=20000),
 )
 #: Tilt (rad) at which a swing begins.
 _SWING = 2e-3
@@ -186,12 +179,8 @@ def terminal_velocity(bench: Bench) -> None:
 #: A vehicle that the canopy cannot slow down, on lines that hardly stretch.  The planet is small, so that
 #: positions resolve 1e-10 m, 5 mN of the riser.
 _INFINITE_MASS = (
-    *case.WEIGHTLESS,
-    "planet.equatorial_radius_m=1e6",
-    "vehicle.mass.entry_kg=1e9",
-    "vehicle.parachutes.main.stiffness_n_m=4e7",
-    "vehicle.parachutes.main.damping_ratio=1",
-    "vehicle.parachutes.main.apparent_mass_factor=0",
+    *(*case.WEIGHTLESS, "planet.equatorial_radius_m=1e6", "vehicle.mass.entry_kg=1e9"),
+    *given("vehicle.parachutes.main", stiffness_n_m=4e7, damping_ratio=1, apparent_mass_factor=0),
     "vehicle.parachutes.main.disk_gap_band.dynamic_load_factor=1",
     "simulation.canopy_step_s=0.0005",
 )

@@ -13,7 +13,7 @@ from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import gravity_F, read_coefficients
 from edl6dof.spatial.frames import from_geodetic
-from edl6dof.verify.case import Bench, largest, records_of
+from edl6dof.verify.case import Bench, given, largest, records_of
 
 _CSV = Path(edl6dof.__file__).parent / "data" / "atmosphere" / "USStandardAtmosphere1976.csv"
 _EARTH = 6356766.0
@@ -95,8 +95,7 @@ def gravity_field(bench: Bench) -> None:
     points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(3.38e6, 3.6e6, (count, 1))
     source, why = "finite difference of the potential, scipy", "truncation and rounding of the difference"
     for model, degree in (("harmonics", 4), ("harmonics", 12), ("j2", 2)):
-        field_is = [f"planet.gravity.model={model}", f"planet.gravity.degree={degree}"]
-        nominal, loaded = bench.scenes(field_is)
+        nominal, loaded = bench.scenes(given("planet.gravity", model=model, degree=degree))
         field = records_of(loaded)[0]["planet"]["gravity"]
         mu, only = nominal.planet.gravity.mu_m3_s2, nominal.planet.gravity.j2 if model == "j2" else None
         gaps = [
@@ -164,10 +163,8 @@ def seasonal_column(bench: Bench) -> None:
     lat_deg, lon_deg, ground = _VIKING_1
     scene = [
         "atmosphere.model=seasonal",
-        "atmosphere.seasonal={surface_pressure_factor: 1.0, temperature_bias_k: 0.0}",
-        f"terrain.site_latitude_deg={lat_deg}",
-        f"terrain.site_longitude_deg={lon_deg}",
-        f"terrain.site_elevation_m={ground}",
+        *given("atmosphere.seasonal", surface_pressure_factor=1.0, temperature_bias_k=0.0),
+        *given("terrain", site_latitude_deg=lat_deg, site_longitude_deg=lon_deg, site_elevation_m=ground),
     ]
     source, why = "pressure at Viking 1", "printed digits, differences of the years"
     for name, (epoch, measured) in _SEASONS.items():

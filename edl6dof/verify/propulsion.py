@@ -13,7 +13,7 @@ from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import OUTPUTS, PROPELLANT, WORKSPACE
 from edl6dof.verify import case
-from edl6dof.verify.case import Bench, largest, records_of, state_of, to_the_end
+from edl6dof.verify.case import Bench, given, largest, records_of, state_of, to_the_end
 
 #: One rigid body with propellant.
 _FUELLED = (
@@ -26,11 +26,9 @@ ENGINE_ISP = 300.0
 _THROTTLE = (7500.0, 3000.0, 1500.0, 5000.0, 2200.0, 0.0)
 BURN = (
     *(*_FUELLED, *case.ALIGNED),
-    f"vehicle.engines.main.full_specific_impulse_s={ENGINE_ISP}",
+    *given("vehicle.engines.main", full_specific_impulse_s=ENGINE_ISP, nozzle_m=[-0.3, 0, 0]),
     f"vehicle.engines.main.throttled.low_specific_impulse_s={ENGINE_ISP}",
-    "vehicle.engines.main.nozzle_m=[-0.3, 0, 0]",
-    "initial.flight_path_angle_deg=-90",
-    "initial.speed_m_s=1000",
+    *given("initial", flight_path_angle_deg=-90, speed_m_s=1000),
 )
 
 
@@ -71,11 +69,8 @@ _JET = (
     f"thrust_n: {_THRUST}, specific_impulse_s: {_ISP}, rise_s: {_RISE}, decay_s: {_DECAY}}}"
 )
 _PULSES = (
-    *_FUELLED,
-    f"vehicle.rcs.thrusters=[{_JET}]",
-    "vehicle.rcs.branches=[]",
-    "flight_software.check_out.thrusters=[]",
-    "initial.speed_m_s=0",
+    *(*_FUELLED, "flight_software.check_out.thrusters=[]", "initial.speed_m_s=0"),
+    *given("vehicle.rcs", thrusters=f"[{_JET}]", branches=[]),
 )
 CYCLE, CYCLES = 0.1, 200
 

@@ -5,23 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from edl6dof.verify import case
-from edl6dof.verify.case import Bench, largest, scenes, state_of, to_the_end
+from edl6dof.verify.case import Bench, given, largest, scenes, state_of, to_the_end
 
 _GRAVITY, _CENTRE, _RADIUS, _DROP = 3.72, -0.85, 1e7, 0.005
 _SCENE = (
     *(*case.BARE, *case.VACUUM, *case.ONE_BODY, case.NO_RATE, *case.ALIGNED),
-    f"planet.equatorial_radius_m={_RADIUS}",
-    f"planet.mean_radius_m={_RADIUS}",
-    "planet.gravity.model=central",
-    f"planet.gravity.mu_m3_s2={_GRAVITY * _RADIUS**2}",
-    "terrain.model=plane",
-    "terrain.site_elevation_m=0",
+    *given("planet", equatorial_radius_m=_RADIUS, mean_radius_m=_RADIUS),
+    *given("planet.gravity", model="central", mu_m3_s2=_GRAVITY * _RADIUS**2),
+    *given("terrain", model="plane", site_elevation_m=0),
     f"vehicle.mass.entry_centre_m=[{_CENTRE}, 0, 0]",
     "vehicle.landing_gear.damping_n_s_m=800",
-    "initial.flight_path_angle_deg=-90",
-    "initial.speed_m_s=0.2",
-    "simulation.contact_step_s=0.0005",
-    "simulation.time_limit_s=1",
+    *given("initial", flight_path_angle_deg=-90, speed_m_s=0.2),
+    *given("simulation", contact_step_s=0.0005, time_limit_s=1),
 )
 
 

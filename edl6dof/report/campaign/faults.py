@@ -84,7 +84,7 @@ def became(row: Row) -> int:
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    rows: list[Row] = []
+    rows = []
     for one in acceptance:
         flown = Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad")
         rows.append((one["meaning"], flown, one["limit"]))

@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.catalogue import CELLS, STACKS
-from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry, through
 from edl6dof.report.flight.common import circle, flown, over_flight, placed, site_panel
 from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SEQUENTIAL, SKY, VERMILION
 from edl6dof.runs.run import Run
@@ -122,7 +122,7 @@ def hazard_maps(run: Run) -> Iterator[Figure]:
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
     way = list(_way(run, found))
-    passed = Trace(*found.rejected_m.T, "passed over", "points", ORANGE, symbol="x", width=3.0)
+    passed = through(found.rejected_m, "passed over", "points", colour=ORANGE, symbol="x", width=3.0)
     traces = [*entries, *[passed] * bool(len(found.rejected_m)), *way]
     classes = site_panel(traces, title="what it made of them", heat=kinds)
     seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
@@ -170,17 +170,18 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 def coarse_choice(run: Run, found: LandingMap) -> Figure:
     """Draw the targets of the parts of the landing image, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    offered = Trace(*found.coarse_m.T, "parts of the image", "points", GREY, labels=labels, width=4.0)
+    offered = through(found.coarse_m, "parts of the image", "points", colour=GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[np.arange(len(found.coarse_m)) == found.coarse_part]
-    taken = Trace(*chosen.T, "part taken", "points", VERMILION, symbol="diamond", width=4.0)
-    drift = Trace(*found.drift_m[:, :2].T, "backshell, as predicted", colour=PURPLE, dash="dot")
+    taken = through(chosen, "part taken", "points", colour=VERMILION, symbol="diamond", width=4.0)
+    drift = through(found.drift_m[:, :2], "backshell, as predicted", colour=PURPLE, dash="dot")
     # all in navigated coordinates, which contain the navigation error
     off = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
     there = np.isfinite(east)
     shell = Trace(east[there], north[there], "backshell", colour=PURPLE, dash="dash")
     last = run.between("backshell")
-    lander = flown(*(values[last] for values in _navigated(run)), "lander")
+    way_e, way_n = (values[last] for values in _navigated(run))
+    lander = flown(way_e, way_n, "lander")
     panel = site_panel([offered, taken, drift, shell, lander])
     caption = (
         "Of the parts of the landing image whose target is away from the predicted path of backshell and "

@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 from edl6dof.config.document.yamltree import write_flow
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Cell, Report, Row, Section, Table, Text
+from edl6dof.report.document import Cell, Report, Row, Section, Table, Text, decimals
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
 from edl6dof.runs.files import distinct_names
@@ -159,14 +159,9 @@ def _numbers(one: float | None, two: float | None) -> list[str]:
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
     change = given[1] - given[0]
-    places = 0 if whole else min(max(_places(size, 5), _places(abs(change), 3)), 6)
+    places = 0 if whole else min(max(decimals(size, 5), decimals(abs(change), 3)), 6)
     shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
     return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]
-
-
-def _places(size: float, digits: int) -> int:
-    """Number of decimals with which a number of this size has ``digits`` digits."""
-    return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
 def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:

@@ -74,10 +74,9 @@ def on_scale(key: str, title: str, panel: Panel, caption: str) -> Figure:
 def drag_velocity(run: Run, entry: Entry) -> Figure:
     """Draw drag over speed inside its corridor."""
     found = borders(run, entry)
-    lowest = min((float(border.drag.min()) for border in found), default=1.0)
+    lowest = min((float(border.y.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
-    traces = forbidden(entry, found, top)
-    traces += [border.trace(entry.speed, border.drag) for border in (*found, glide(entry))]
+    traces = [*forbidden(entry, found, top), *found, glide(entry)]
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
@@ -99,8 +98,8 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     found = borders(run, entry)
     traces = []
     for border in (*found, glide(entry)):
-        density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
-        traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
+        density = 2.0 * border.y / entry.drag_per_pressure / entry.speed**2
+        traces.append(replace(border, y=entry.height(density) / 1e3))
     names = {key: EVENTS[key] for key in ("trim_wing", "mortar")}
     events = placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3))
     x = Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0))
@@ -199,51 +198,41 @@ def _calm(run: Run, values: np.ndarray) -> np.ndarray:
     return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
 
 
-class Border(NamedTuple):
-    """One border of the corridor: drag (m/s2) over ``Entry.speed``."""
-
-    name: str
-    drag: np.ndarray
-    colour: str
-    dash: Dash
-
-    def trace(self, x: np.ndarray, y: np.ndarray) -> Trace:
-        """Return the border in a plane: km/s, and ``y`` over it."""
-        return Trace(x / 1e3, y, self.name, colour=self.colour, dash=self.dash, border=True)
+def _border(entry: Entry, name: str, drag: np.ndarray, colour: str, dash: Dash) -> Trace:
+    return Trace(entry.speed / 1e3, drag, name, colour=colour, dash=dash, border=True)
 
 
-def borders(run: Run, entry: Entry) -> list[Border]:
-    """Return borders for the limits that the scenario sets."""
-    limit = run.scenario["limits"]
-    found = list[Border]()
+def borders(run: Run, entry: Entry) -> list[Trace]:
+    """Return the drag (m/s2) over speed (km/s) of the limits that the scenario sets."""
+    limit, found = run.scenario["limits"], list[Trace]()
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
         pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
         drag = pressure * entry.drag_per_pressure
-        found.append(Border(f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
+        found.append(_border(entry, f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
     if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
         drag = most * entry.drag_per_pressure
-        found.append(Border(f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
+        found.append(_border(entry, f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
     if (most := limit.get("entry_load_g0")) is not None:
         drag = most * G0 * entry.drag_per_pressure / entry.load_per_pressure
-        found.append(Border(f"load {most:g} g", drag, PURPLE, "dot"))
+        found.append(_border(entry, f"load {most:g} g", drag, PURPLE, "dot"))
     return found
 
 
-def glide(entry: Entry) -> Border:
+def glide(entry: Entry) -> Trace:
     """Return the drag (m/s2) of the equilibrium glide, in which full lift up keeps the flight-path angle
     constant, with the gravity and radius at the ground; NaN above circular speed and without lift.
     """
     need = entry.gravity - entry.speed**2 / entry.radius
     lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)
     drag = np.where(lifting, need / entry.lift_to_drag, np.nan)
-    return Border("equilibrium glide, lift up", drag, GREEN, "dash")
+    return _border(entry, "equilibrium glide, lift up", drag, GREEN, "dash")
 
 
-def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
+def forbidden(entry: Entry, found: list[Trace], edge: float) -> list[Trace]:
     """Return the drag (m/s2) above the lowest border, up to ``edge``, as one shaded region."""
     if not found:
         return []
-    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
+    lowest = np.minimum(np.min([border.y for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
     around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))
