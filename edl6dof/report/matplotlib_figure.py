@@ -77,7 +77,6 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
 
 
 def _entries_in_line(names: Collection[str], letters: int) -> int:
-    """Number of legend entries in one line."""
     return max(min(len(names), letters // (max(map(len, names)) + 9)), 1)
 
 

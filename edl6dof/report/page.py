@@ -284,7 +284,6 @@ def _axes(number: str) -> dict[str, str]:
 
 
 def _heat(heat: Heat, number: str) -> dict[str, Any]:
-    """A field of cells; the layout has its colours."""
     rows, columns = heat.values.shape
     z = {"dtype": "f4", "bdata": _in_base64(heat.values), "shape": f"{rows}, {columns}"}
     found: dict[str, Any] = {"type": "heatmap", "x": packed(heat.x), "y": packed(heat.y), "z": z}

@@ -96,7 +96,6 @@ def _laid_out(figures: Sequence[Figure], shrink: float) -> list[list[Placed]]:
 
 
 def _figure_page(placed: Sequence[Placed]) -> Canvas:
-    """A page of figures."""
     from matplotlib.figure import Figure as Canvas
 
     canvas = Canvas(figsize=A4, layout="constrained")

@@ -109,7 +109,6 @@ def carry_on(state: State, changes: Sequence[str], until_s: float = 900.0) -> Fl
 
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
-    """First columns of a row."""
     head = {"experiment": experiment, "variant": variant, "case": index}
     return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
 

@@ -331,7 +331,6 @@ class Trial(NamedTuple):
 
 
 def _trials(settings: str, session: Session) -> list[Trial]:
-    """Every error with every steering."""
     loaded, found = edl6dof.load(SCENARIO, SETTINGS[settings]), []
     for errors, values in ERRORS.items():
         motion = Motion(loaded, values)

@@ -140,7 +140,6 @@ def _early(rows: list[Row]) -> int:
 
 
 def _cliff(rows: list[Row]) -> Grid:
-    """A line for each persistence of the flag."""
     lines: list[Line] = []
     for persistence in PERSISTENCES:
         own = pick(rows, persistence_s=persistence)
@@ -153,7 +152,6 @@ def _cliff(rows: list[Row]) -> Grid:
 
 
 def _guards(rows: list[Row]) -> Grid:
-    """A line for each guard."""
     lines: list[Line] = []
     for guard in GUARDS:
         own = pick(rows, guard=guard)

@@ -284,7 +284,6 @@ def _notes(found: Assurance) -> Iterator[str]:
 
 
 def _factors(found: Assurance) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of the credibility sheet."""
     marks = Counter(parse_document(found.results.store.plan_text, "campaign.yaml").status.values())
     pedigree = ", ".join(f"{number:,} {status}" for status, number in marks.most_common())
     for row in _FACTORS:

@@ -103,11 +103,10 @@ def _maps(results: Results, axes: Sequence[str], columns: Mapping[str, np.ndarra
         mean = np.array([[_mean(values[(x == a) & (y == b)]) for a in across] for b in up])
         finite = mean[np.isfinite(mean)]
         success = label.startswith("success")
-        if not success and (not len(finite) or np.ptp(finite) == 0.0):
-            continue  # the same at every point: no map
-        low, high = (0.0, 100.0) if success else (float(finite.min()), float(finite.max()))
-        heat = Heat(across, up, mean, label, low, high)
-        yield Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat)
+        if success or len(finite) and np.ptp(finite) > 0.0:  # else the same at every point
+            low, high = (0.0, 100.0) if success else (float(finite.min()), float(finite.max()))
+            heat = Heat(across, up, mean, label, low, high)
+            yield Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat)
 
 
 def _curves(results: Results, axis: str, columns: Mapping[str, np.ndarray]) -> Iterator[Panel]:

@@ -65,7 +65,6 @@ def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) ->
 
 
 def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]:
-    """Ellipses of one to three standard deviations."""
     dashes: tuple[Dash, ...] = ("solid", "dash", "dot")
     for sigmas, dash in enumerate(dashes, 1):
         x, y = outline(sigmas)

@@ -188,12 +188,11 @@ def causes(results: Results) -> Block:
             return Text("No flight failed.")
         low = in_percent(results.success.interval[0], 2)
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low}.")
-    rows: list[Row] = []
+    rows, texts = list[Row](), np.array(results.table["cause"].to_pylist(), object)
     for cause, number in results.causes:
-        share = Proportion(number, len(results.cases))
-        first = results.cases[[text == cause for text in results.table["cause"].to_pylist()]][:3]
-        refly = ", ".join(str(case) for case in first)
-        rows.append([cause, str(number), Cell(in_percent(share.value, 2), "bad", share.value), refly])
+        share = number / len(results.cases)
+        refly = ", ".join(map(str, results.cases[texts == cause][:3]))
+        rows.append([cause, str(number), Cell(in_percent(share, 2), "bad", share), refly])
     return Table(["cause", "flights>", "share", "cases"], rows)
 
 
