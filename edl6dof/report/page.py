@@ -175,10 +175,11 @@ def _axis(axis: Axis, span: tuple[float, float], titled: bool = True) -> dict[st
         found["showticklabels"] = False
     texts: dict[float, str] = {}
     if axis.log:
-        texts, found["type"] = {value: _power(value) for value in axis.decades(span)}, "log"
+        found["type"] = "log"
+        texts = {value: _power(value) for value in axis.decades(span)}
     if axis.names:
-        texts = {k: name.replace("\n", "<br>") for k, name in enumerate(axis.names)}
         found["zeroline"] = False
+        texts = {k: name.replace("\n", "<br>") for k, name in enumerate(axis.names)}
     if texts:
         found |= {"tickmode": "array", "tickvals": list(texts), "ticktext": list(texts.values())}
     return found

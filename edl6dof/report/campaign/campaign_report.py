@@ -25,7 +25,8 @@ def campaign_report(folder: Path) -> Report:
     """Return the report of a campaign, finished or not, without sections that would be empty."""
     results = Results(folder)
     about = [str(results.document.get("description") or ""), *margins.injected(results)]
-    share, matrix = f": {results.success}" if results.is_sample else "", list[Block]()
+    matrix: list[Block] = []
+    share = f": {results.success}" if results.is_sample else ""
     words = f"{results.success.successes} of {results.success.trials} flights succeed{share}"
     mood = _mood(results)
     if results.has_faults:

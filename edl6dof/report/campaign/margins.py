@@ -188,7 +188,8 @@ def causes(results: Results) -> Block:
             return Text("No flight failed.")
         low = in_percent(results.success.interval[0], 2)
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low}.")
-    rows, texts = list[Row](), np.array(results.table["cause"].to_pylist(), object)
+    rows: list[Row] = []
+    texts = np.array(results.table["cause"].to_pylist(), object)
     for cause, number in results.causes:
         share = number / len(results.cases)
         refly = ", ".join(map(str, results.cases[texts == cause][:3]))

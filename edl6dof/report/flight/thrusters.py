@@ -45,8 +45,8 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
-    caption = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s; the colour scale ends at the 98th "
-    caption, bands = f"{caption}percentile of firing.", list[Band]()
+    caption, bands = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s;", list[Band]()
+    caption += " the colour scale ends at the 98th percentile of firing."
     for lane, name in enumerate(thrusters):
         faulty = run.get(f"fault.{name}", np.zeros(1)) != 0
         if faulty.any():
