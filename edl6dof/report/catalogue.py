@@ -345,9 +345,7 @@ def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str
 def channel_plot(
     columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray, apart: bool = False
 ) -> Figure:
-    """Draw channels over channel ``x``, one panel for each unit, or for each channel if they are ``apart``;
-    ``rows``: rows to show, bool.
-    """
+    """Draw channels over ``x`` at ``rows`` (bool): a panel for each unit, or for each if ``apart``."""
     panelled: dict[str, list[str]] = {}
     for name in channels:
         panelled.setdefault(name if apart else columns.unit(name), []).append(name)

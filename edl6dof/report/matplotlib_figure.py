@@ -48,9 +48,7 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 
 def own_style() -> AbstractContextManager[None]:
-    """Return a context with the settings of this module alone, without a ``matplotlibrc`` of the current
-    folder.
-    """
+    """Return a context with the settings of this module alone, without a local ``matplotlibrc``."""
     from matplotlib import style
 
     return style.context(["default", STYLE])

@@ -102,9 +102,7 @@ def _first_of_words(columns: Sequence[str]) -> int:
 
 
 def _split_at_mark(line: str) -> tuple[str, str, str]:
-    """A line of YAML without its status mark, the letter of the mark, and the words after the mark; the last
-    two are empty without a mark.
-    """
+    """A line of YAML without its status mark, its letter and the words after it; both may be empty."""
     found = _MARK.search(line)
     return (line[: found.start()], found[1], found[2]) if found else (line, "", "")
 

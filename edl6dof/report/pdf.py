@@ -145,9 +145,7 @@ def _word_page(lines: Sequence[Line], picture: Figure | None) -> Canvas:
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page, which takes the next tables that fit; one longer than a page is split, its head
-    repeated.
-    """
+    """Lines of each page, which takes the next tables that fit; a longer one is split, its head repeated."""
     page = list(_summary(report))
     waiting = [lines for section in report.sections for lines in _blocks(section)]
     while waiting:

@@ -38,18 +38,16 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.flight_state import snapshots_at
-from edl6dof.studies.frame import Finding, Grid, Line, Panel, Report, Session, Study
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study, quickest_us
 from edl6dof.studies.samples import (
     Spread,
     column,
-    distribution,
     draw,
     kinds,
     mean,
     percentage,
     pick,
     quantile_grid,
-    quickest_us,
     with_quantile,
 )
 from edl6dof.vehicle.propulsion.rcs import Thruster
@@ -107,9 +105,7 @@ class Vehicle(NamedTuple):
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """Return the scenario of the vehicle with its changes and ``more`` overrides (``PATH=VALUE``); the
-        flight ends at mortar fire.
-        """
+        """Return the scenario with its changes and ``more`` (``PATH=VALUE``), which ends at mortar fire."""
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
@@ -250,9 +246,7 @@ CONDITIONS: dict[str, Change] = {
 
 
 def cases(scenario: Scenario, truths: Sequence[Values], label: Values) -> Iterator[Case]:
-    """Yield all cases of a law on a vehicle: the dispersed entries, and the first of them again under each
-    condition.
-    """
+    """Yield the dispersed entries of a law on a vehicle, and the first of them under each condition."""
     numbers = count()
     for name, change in CONDITIONS.items():
         some = truths if name == DISPERSED else truths[: max(len(truths) // _PER_CONDITION, 1)]
@@ -483,7 +477,7 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
     for vehicle in kinds(dispersed, "vehicle"):
         own = pick(dispersed, vehicle=vehicle)
         order = best_first(own)
-        curves = [distribution(misses(pick(own, law=law)), law) for law in order]
+        curves = [Curve.distribution(misses(pick(own, law=law)), law) for law in order]
         limit = 3.0 * not_exceeded(pick(own, law=order[0]), 0.99)
         options = {"xlim": (0.0, max(2.0 * TARGET_KM, limit))} if isfinite(limit) else {}
         labels = (f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)")

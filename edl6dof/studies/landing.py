@@ -30,17 +30,8 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.flight_state import snapshots_at
-from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
-from edl6dof.studies.samples import (
-    column,
-    distribution,
-    kinds,
-    mean,
-    percentage,
-    pick,
-    quantile_grid,
-    quickest_us,
-)
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study, quickest_us
+from edl6dof.studies.samples import column, kinds, mean, percentage, pick, quantile_grid
 
 SCENARIO, LAWS = "tianwen1_mc", POWERED_LAWS.names
 POWERED = "flight_software.guidance.powered"
@@ -369,7 +360,7 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
         ("target_miss_m", "miss", "distance from the target where hover begins (m)", {"xscale": "log"}),
         ("peak_tilt_deg", "tilt of the thrust axis", "largest tilt (deg)", {}),
     ):
-        curves = [distribution(column(of(rows, law), name), law) for law in laws]
+        curves = [Curve.distribution(column(of(rows, law), name), law) for law in laws]
         panels.append(Panel(title, label, "flights within (%)", curves, options))
     fuel = {law: [mean(of(rows, law, divert(m)), "hover_fuel_kg") for m in DIVERTS] for law in laws}
     cost = [Curve(DIVERTS, values, law) for law, values in fuel.items()]

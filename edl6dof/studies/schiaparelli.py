@@ -78,9 +78,7 @@ def run(session: Session) -> Report:
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
-    """Return the cases of ``flights`` entries, each with another phase of nutation and other gusts. Case k
-    does not depend on the number of flights.
-    """
+    """Return entries with other phases of nutation and gusts; case k does not depend on their number."""
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
     turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
     return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]

@@ -38,9 +38,7 @@ _WHERE = ("component", "kind", "size", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """Return a sentence with the numbers of flights within limits and of faults named correctly, and whether
-    it is good news.
-    """
+    """Return the numbers of flights within limits and of faults named rightly in words, and their mood."""
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
     kept = f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits"
@@ -148,9 +146,7 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Draw two maps: outcome of each fault, and time (s) to its right isolation; ``places``: row and column
-    of the cell of each flight.
-    """
+    """Map outcome and time (s) to the right isolation of faults; ``places``: row and column of each."""
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):

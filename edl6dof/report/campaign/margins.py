@@ -10,18 +10,7 @@ import numpy as np
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import (
-    Block,
-    Cell,
-    Mood,
-    Row,
-    Table,
-    Text,
-    aligned,
-    in_percent,
-    printed,
-    significant,
-)
+from edl6dof.report.document import Block, Cell, Row, Table, Text, aligned, in_percent, printed, significant
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.palette import BLUE, GREEN
 
@@ -51,9 +40,8 @@ def limits(results: Results) -> Iterator[Block]:
         values = results[figure.name]
         missed = int(np.sum(figure.violates(values, limit)))
         worst = _bound(results, figure, values, shares)
-        mood: Mood = "bad" if missed else "good"
         share = None if worst is None else figure.used(worst, limit)
-        used = "-" if share is None else Cell(in_percent(share), mood, share)
+        used = "-" if share is None else Cell(in_percent(share), "bad" if missed else "good", share)
         cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
         label, unit = figure.meaning, printed(figure.unit.label)
         rows.append([label, unit, *cells, allowed(figure, limit), used, str(missed)])
@@ -71,9 +59,7 @@ def allowed(figure: FigureOfMerit, limit: float) -> str:
 def _bound(
     results: Results, figure: FigureOfMerit, values: np.ndarray, shares: Sequence[float]
 ) -> float | None:
-    """Bound toward the limit of the outermost quantile with bounds; the worst value if the flights are no
-    sample.
-    """
+    """Bound toward the limit of the outermost quantile that has one; without a sample the worst value."""
     if not results.is_sample:
         worst = np.nanmin if figure.clearance else np.nanmax
         return float(worst(values)) if np.isfinite(values).any() else None
@@ -153,9 +139,7 @@ def head(share: float) -> str:
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """Return a quantile as text: with its bounds, or the number of flights needed for bounds; without bounds
-    if the flights are no sample.
-    """
+    """Return a quantile as text, with its bounds if the flights are a sample, or the flights it needs."""
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"

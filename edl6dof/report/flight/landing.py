@@ -104,9 +104,7 @@ def events_on_map(run: Run, names: dict[str, str], scale: float = 1e3) -> Trace:
 
 
 def hazard_maps(run: Run) -> Iterator[Figure]:
-    """Draw the choice on the landing image, and the map of the scan by class of cell and as heights; nothing
-    of a flight that chose no spot from a scan.
-    """
+    """Draw the choice on the landing image and the map of the scan, of a flight that chose from a scan."""
     if (found := run.landing_map) is None:
         return
     if len(found.coarse_m):
@@ -150,9 +148,7 @@ def _words(run: Run, found: LandingMap) -> str:
 
 
 def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
-    """Sentence on the nearest safe spot if it is nearer than the chosen one, whose distance (m) and clearance
-    (m) are given; otherwise empty.
-    """
+    """Sentence on a safe spot nearer than the chosen one, if any; ``away``, ``clear``: of that one, m."""
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
     distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf

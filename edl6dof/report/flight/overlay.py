@@ -152,9 +152,7 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values and their difference as text: whole, or with five digits, or with more if the difference
-    needs them for three digits.
-    """
+    """Both values and their difference: whole, or with five digits, three of the difference."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
