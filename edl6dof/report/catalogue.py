@@ -305,16 +305,9 @@ STACKS: dict[str, tuple[Stack, ...]] = {
 ALL_STACKS: dict[str, Stack] = {
     stack.key: stack
     for stack in (
-        *(OVERVIEW, NEAR_GROUND, *STACKS["guidance"]),
-        *(NAV_POSITION, NAV_ATTITUDE, NAV_LANDING, NAV_TOUCHDOWN, NAV_INNOVATION),
-        *(
-            *STACKS["attitude"],
-            TORQUE,
-            PROPELLANT_AND_MASS,
-            DISTURBANCE,
-            *STACKS["chute"],
-            *STACKS["landing"],
-        ),
+        *(OVERVIEW, NEAR_GROUND, *STACKS["guidance"], NAV_POSITION, NAV_ATTITUDE, NAV_LANDING),
+        *(NAV_TOUCHDOWN, NAV_INNOVATION, *STACKS["attitude"], TORQUE, PROPELLANT_AND_MASS, DISTURBANCE),
+        *(*STACKS["chute"], *STACKS["landing"]),
     )
 }
 
@@ -354,9 +347,7 @@ def chosen(columns: Columns, patterns: Sequence[str], place: object) -> list[str
 def channel_plot(
     columns: Columns, channels: Sequence[str], x: str, rows: np.ndarray, apart: bool = False
 ) -> Figure:
-    """Draw channels over channel ``x``, one panel for each unit, or for each channel if they are ``apart``;
-    ``rows``: rows to show, bool.
-    """
+    """Draw channels over ``x`` at ``rows`` (bool): a panel for each unit, or for each if ``apart``."""
     panelled: dict[str, list[str]] = {}
     for name in channels:
         panelled.setdefault(name if apart else columns.unit(name), []).append(name)

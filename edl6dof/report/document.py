@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import floor, log10
+from math import floor, inf, log10
 from typing import Literal
 
 from edl6dof.report.figure import Figure
@@ -114,8 +114,17 @@ def aligned(*values: float) -> list[str]:
     """
     largest = max(map(abs, values)) or 1.0
     span = max(values) - min(values) or largest
-    places = max(min(1 - floor(log10(span)), 3 - floor(log10(largest))), 0)
+    places = min(decimals(span, 2), decimals(largest, 4))
     return [f"{value:.{places}f}" for value in values]
+
+
+def decimals(size: float, digits: int) -> int:
+    """Return the number of decimals with which a number of this size has so many digits.
+
+    >>> decimals(2.5, 3), decimals(0.04, 3), decimals(12345.0, 3)
+    (2, 4, 0)
+    """
+    return max(digits - 1 - floor(log10(size)), 0) if 0.0 < size < inf else 0
 
 
 def in_percent(share: float, decimals: int = 0) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -70,10 +70,10 @@ class Trace:
     legend: bool = True
     border: bool = False
 
-    def edges(self) -> np.ndarray:
-        """Return the ends of adjacent bars of equal width, shape (n + 1,)."""
-        half = 0.5 * np.min(np.diff(self.x)) if len(self.x) > 1 else 0.5
-        return np.append(self.x - half, self.x[-1:] + half)
+
+def through(places: np.ndarray, name: str = "", kind: Kind = "line", **look: Any) -> Trace:
+    """Return a trace through places, shape (n, 2)."""
+    return Trace(places[:, 0], places[:, 1], name, kind, **look)
 
 
 def legend_entry(name: str, colour: str, width: float = 3.0, border: bool = False) -> Trace:
@@ -187,7 +187,7 @@ class Panel:
         every = [np.asarray(getattr(trace, axis), float) for trace in self.traces]
         every += [cell_edges(getattr(self.heat, axis))] if self.heat is not None else []
         bars = [trace for trace in self.traces if trace.kind == "bars"]
-        every += [trace.edges() if axis == "x" else np.zeros(1) for trace in bars]
+        every += [cell_edges(trace.x) if axis == "x" else np.zeros(1) for trace in bars]
         every += [np.array([mark.at]) for mark in self.marks if mark.axis == axis and axis == "y"]
         values = np.concatenate([np.empty(0), *every])
         values = values[np.isfinite(values) & ((values > 0.0) | (not mine.log))]
@@ -196,13 +196,10 @@ class Panel:
         low, high = float(values.min()), float(values.max())
         if mine.log:
             return low / 1.2, high * 1.2
+        points = any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
         if low == high:
             room = 0.1 * max(abs(high), 1.0)  # more than the rounding of a large number
-        elif (
-            self.heat is not None
-            or axis == "x"
-            and not any(trace.kind == "points" and np.isfinite(trace.x).any() for trace in self.traces)
-        ):
+        elif self.heat is not None or axis == "x" and not points:
             room = 0.0
         else:
             room = (0.12 if any(trace.labels for trace in self.traces) else 0.05) * (high - low)

@@ -55,12 +55,11 @@ def sides(panel: Panel, spans: tuple[Span, Span], width: float, height: float) -
     def in_px(trace: Trace) -> np.ndarray:
         return (np.stack([trace.x, trace.y], axis=1) - low) / (high - low) * size
 
-    drawn = [
-        np.repeat(in_px(trace), MARKER, axis=0) if trace.kind == "points" else _filled(in_px(trace))
-        for trace in panel.traces
-        if trace.kind in ("line", "steps", "points")
-    ]
-    points = np.concatenate([np.empty((0, 2)), *drawn])
+    drawn = [np.empty((0, 2))]
+    for trace in (trace for trace in panel.traces if trace.kind in ("line", "steps", "points")):
+        way = in_px(trace)
+        drawn.append(np.repeat(way, MARKER, axis=0) if trace.kind == "points" else _filled(way))
+    points = np.concatenate(drawn)
     taken: list[Box] = []
     found: dict[int, list[Side]] = {}
     for k, trace in enumerate(panel.traces):

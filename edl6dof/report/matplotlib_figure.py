@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, cell_edges, thinned
+from edl6dof.report.figure import Axis, Figure, Heat, Trace, cell_edges, thinned
 from edl6dof.report.label_layout import Side, sides, spelt
 from edl6dof.report.palette import GREY, INK, RULE
 
@@ -48,9 +48,7 @@ def write_figure(figure: Figure, path: Path) -> None:
 
 
 def own_style() -> AbstractContextManager[None]:
-    """Return a context with the settings of this module alone, without a ``matplotlibrc`` of the current
-    folder.
-    """
+    """Return a context with the settings of this module alone, without a local ``matplotlibrc``."""
     from matplotlib import style
 
     return style.context(["default", STYLE])
@@ -77,7 +75,6 @@ def height(figure: Figure, shrink: float = 1.0, letters: int = 110) -> float:
 
 
 def _entries_in_line(names: Collection[str], letters: int) -> int:
-    """Number of legend entries in one line."""
     return max(min(len(names), letters // (max(map(len, names)) + 9)), 1)
 
 
@@ -89,8 +86,7 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
     named: dict[str, Shown] = {}
     for index, panel in enumerate(figure.panels):
         axes = canvas.add_subplot(grid[divmod(index, figure.columns)])
-        x, y = figure.spans(index)
-        _panel(axes, panel, x, y, named, sides(panel, (x, y), *figure.size(index)))
+        _panel(axes, figure, index, named)
         if not figure.share_x or index + figure.columns >= len(figure.panels):
             axes.set_xlabel(panel.x.title)
         else:
@@ -100,14 +96,9 @@ def draw(canvas: Canvas | SubFigure, figure: Figure, letters: int = 110) -> None
         canvas.legend(shown, named.keys(), loc="outside lower left", ncols=_entries_in_line(named, letters))
 
 
-def _panel(
-    axes: Axes,
-    panel: Panel,
-    x: tuple[float, float],
-    y: tuple[float, float],
-    named: dict[str, Shown],
-    placed: Mapping[int, Sequence[Side]],
-) -> None:
+def _panel(axes: Axes, figure: Figure, index: int, named: dict[str, Shown]) -> None:
+    """Draw a panel; add what the legend names to ``named``."""
+    panel, (x, y) = figure.panels[index], figure.spans(index)
     axes.set(title=panel.title, ylabel=panel.y.title)
     if panel.equal and panel.x.range is not None and panel.y.range is not None:
         axes.set(xlim=x, ylim=y, aspect="equal")
@@ -136,6 +127,7 @@ def _panel(
             axes.annotate(mark.label, place, (0, 0), frame, color=mark.colour, **turned, **small)
     if panel.heat is not None:
         _heat(axes, panel.heat)
+    placed = sides(panel, (x, y), *figure.size(index))
     for k, trace in enumerate(panel.coloured()):
         artist = _trace(axes, thinned(trace), placed.get(k, ()))
         if trace.name and trace.legend:

@@ -28,14 +28,9 @@ from edl6dof.report.palette import AXIS, GREY, INK, PAPER, RULE
 _HERE = Path(__file__).parent
 #: plotly.js for plots of two axes, compressed; its source is stated next to it.
 PLOTLY = _HERE.parent / "data" / "plotly" / "plotly-cartesian.min.js.gz"
+_NAMES = "ink soft rule axis paper ground good warn bad published recalled estimate"
 #: Colours by their names in the style of the page.
-COLOURS: dict[str, str] = {
-    name: getattr(palette, name.upper())
-    for name in (
-        *("ink", "soft", "rule", "axis", "paper", "ground"),
-        *("good", "warn", "bad", "published", "recalled", "estimate"),
-    )
-}
+COLOURS: dict[str, str] = {name: getattr(palette, name.upper()) for name in _NAMES.split()}
 _MARK = re.compile(r"#\s*\[([" + "".join(STATUS_MARKS) + r"])\](.*)$")
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 #: Pixels around and between panels, and of the title of a panel.
@@ -107,9 +102,7 @@ def _first_of_words(columns: Sequence[str]) -> int:
 
 
 def _split_at_mark(line: str) -> tuple[str, str, str]:
-    """A line of YAML without its status mark, the letter of the mark, and the words after the mark; the last
-    two are empty without a mark.
-    """
+    """A line of YAML without its status mark, its letter and the words after it; both may be empty."""
     found = _MARK.search(line)
     return (line[: found.start()], found[1], found[2]) if found else (line, "", "")
 
@@ -140,9 +133,7 @@ def plotly_layout(figure: Figure) -> dict[str, Any]:
         "height": round(height + TOP + BOTTOM) + title,
         "margin": {"l": 68, "r": 20, "t": TOP + title, "b": BOTTOM},
         "legend": {"y": 1.0 + title / height},
-        "showlegend": bool(figure.entries),
-        "shapes": [],
-        "annotations": [],
+        **{"showlegend": bool(figure.entries), "shapes": [], "annotations": []},
     }
     width = (1.0 - COLUMN_GAP * (figure.columns - 1)) / figure.columns
     for index, panel in enumerate(figure.panels):
@@ -175,20 +166,21 @@ def _number(index: int) -> str:
 
 
 def _axis(axis: Axis, span: tuple[float, float], titled: bool = True) -> dict[str, Any]:
-    found: dict[str, Any] = {
-        "title": {"text": axis.title.replace("\n", "<br>") if titled else ""},
-        "range": [float(np.log10(bound)) if axis.log else float(bound) for bound in span],
-    }
+    title = axis.title.replace("\n", "<br>") if titled else ""
+    ends = [float(np.log10(bound)) if axis.log else float(bound) for bound in span]
+    found: dict[str, Any] = {"title": {"text": title}, "range": ends}
     if not titled:
         found["showticklabels"] = False
-    written = axis.decades(span) if axis.log else []
-    texts = [_power(value) for value in written]
+    texts: dict[float, str] = {}
     if axis.log:
         found["type"] = "log"
+        texts = {value: _power(value) for value in axis.decades(span)}
     if axis.names:
-        written, texts = list(range(len(axis.names))), [name.replace("\n", "<br>") for name in axis.names]
         found["zeroline"] = False
-    return found | ({"tickmode": "array", "tickvals": written, "ticktext": texts} if written else {})
+        texts = {k: name.replace("\n", "<br>") for k, name in enumerate(axis.names)}
+    if texts:
+        found |= {"tickmode": "array", "tickvals": list(texts), "ticktext": list(texts.values())}
+    return found
 
 
 def _power(value: float) -> str:
@@ -209,18 +201,13 @@ def _shapes(panel: Panel, number: str, spans: Sequence[tuple[float, float]]) -> 
             return {f"{axis}ref": f"{axis}{number} domain", f"{axis}0": 0, f"{axis}1": 1}
         return {f"{axis}ref": f"{axis}{number}", f"{axis}0": float(ends[0]), f"{axis}1": float(ends[1])}
 
-    found: list[dict[str, Any]] = [
-        {
-            "type": "rect",
-            "layer": "above" if band.opacity == 1.0 or panel.heat is not None else "below",
-            "fillcolor": band.colour,
-            "opacity": band.opacity,
-            "line": {"width": 1.2, "color": band.colour} if band.outline else {"width": 0},
-            **along("x", band.bounds("x", spans[0])),
-            **along("y", band.bounds("y", spans[1])),
-        }
-        for band in panel.bands
-    ]
+    found: list[dict[str, Any]] = []
+    for band in panel.bands:
+        layer = "above" if band.opacity == 1.0 or panel.heat is not None else "below"
+        look = {"type": "rect", "layer": layer, "fillcolor": band.colour, "opacity": band.opacity}
+        line = {"width": 1.2, "color": band.colour} if band.outline else {"width": 0}
+        ends = along("x", band.bounds("x", spans[0])) | along("y", band.bounds("y", spans[1]))
+        found.append({**look, "line": line, **ends})
     for mark in panel.marks:
         line = {"color": mark.colour, "width": 1.1, "dash": mark.dash}
         other = "y" if mark.axis == "x" else "x"
@@ -263,16 +250,9 @@ def _end(ends: tuple[float | None, float | None]) -> float | str:
 
 def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> dict[str, Any]:
     """One trace; ``shown``: in the legend; ``placed``: the side of each of its labels."""
-    found: dict[str, Any] = {
-        "type": "bar" if trace.kind == "bars" else "scatter",
-        "x": packed(trace.x),
-        "y": packed(trace.y),
-        "xaxis": f"x{number}",
-        "yaxis": f"y{number}",
-        "name": trace.name,
-        "legendgroup": trace.name,
-        "showlegend": shown,
-    }
+    kind, axes = "bar" if trace.kind == "bars" else "scatter", _axes(number)
+    found: dict[str, Any] = {"type": kind, "x": packed(trace.x), "y": packed(trace.y), **axes}
+    found |= {"name": trace.name, "legendgroup": trace.name, "showlegend": shown}
     if not trace.name:
         found["hoverinfo"] = "x+y"
     if trace.kind == "bars":
@@ -290,29 +270,23 @@ def _trace(trace: Trace, number: str, shown: bool, placed: Sequence[Side]) -> di
         found |= {"fill": "toself", "fillcolor": f"{trace.colour}22", "hoverinfo": "skip"}
         found["line"]["width"] = 0
     if trace.labels:
-        words = [(side.split()[0], side.split()[-1]) for side in placed]
-        places = [
-            f"{_LEVELS.get(first, 'middle')} {'center' if last in _LEVELS else last}" for first, last in words
-        ]
+        places = []
+        for first, last in ((side.split()[0], side.split()[-1]) for side in placed):
+            places.append(f"{_LEVELS.get(first, 'middle')} {'center' if last in _LEVELS else last}")
         found |= {"text": list(trace.labels), "textposition": places, "mode": f"{found['mode']}+text"}
         found["textfont"] = {"size": 11, "color": trace.colour}
     return found
 
 
+def _axes(number: str) -> dict[str, str]:
+    return {"xaxis": f"x{number}", "yaxis": f"y{number}"}
+
+
 def _heat(heat: Heat, number: str) -> dict[str, Any]:
-    """A field of cells; the layout has its colours."""
-    values = np.asarray(heat.values, "<f4")
-    shape = f"{values.shape[0]}, {values.shape[1]}"
-    found: dict[str, Any] = {
-        "type": "heatmap",
-        "x": packed(heat.x),
-        "y": packed(heat.y),
-        "z": {"dtype": "f4", "bdata": base64.b64encode(values.tobytes()).decode(), "shape": shape},
-        "xaxis": f"x{number}",
-        "yaxis": f"y{number}",
-        "coloraxis": f"coloraxis{number}",
-        "showlegend": False,
-    }
+    rows, columns = heat.values.shape
+    z = {"dtype": "f4", "bdata": _in_base64(heat.values), "shape": f"{rows}, {columns}"}
+    found: dict[str, Any] = {"type": "heatmap", "x": packed(heat.x), "y": packed(heat.y), "z": z}
+    found |= {**_axes(number), "coloraxis": f"coloraxis{number}", "showlegend": False}
     if heat.labels:
         found |= {"text": [list(row) for row in heat.labels], "hoverinfo": "text", "xgap": 0.5, "ygap": 0.5}
     return found
@@ -333,5 +307,9 @@ def packed(values: Any) -> dict[str, str] | list[Any]:
     array = np.asarray(values, float)
     if len(array) < 8:
         return [None if not np.isfinite(value) else float(value) for value in array]
+    return {"dtype": "f4", "bdata": _in_base64(array)}
+
+
+def _in_base64(values: np.ndarray) -> str:
     with np.errstate(over="ignore"):  # numbers of a flight that diverged become infinite, and are not drawn
-        return {"dtype": "f4", "bdata": base64.b64encode(array.astype("<f4").tobytes()).decode()}
+        return base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()

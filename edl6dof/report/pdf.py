@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -80,7 +80,7 @@ def _laid_out(figures: Sequence[Figure], shrink: float) -> list[list[Placed]]:
     while waiting:
         page, feet, left = list[Placed](), [0.0, 0.0], list[Figure]()
         for figure in waiting:
-            columns = _columns(figure, feet)
+            columns = (0, 1) if figure.columns > 1 else (int(np.argmin(feet)),)
             size = min(height(figure, shrink, COLUMN * len(columns)), ROOM)
             top = max(feet[column] for column in columns)
             if len(left) >= AHEAD or top + size > ROOM:
@@ -95,12 +95,7 @@ def _laid_out(figures: Sequence[Figure], shrink: float) -> list[list[Placed]]:
     return pages
 
 
-def _columns(figure: Figure, feet: Sequence[float]) -> Sequence[int]:
-    return (0, 1) if figure.columns > 1 else (int(np.argmin(feet)),)
-
-
 def _figure_page(placed: Sequence[Placed]) -> Canvas:
-    """A page of figures."""
     from matplotlib.figure import Figure as Canvas
 
     canvas = Canvas(figsize=A4, layout="constrained")
@@ -150,9 +145,7 @@ def _word_page(lines: Sequence[Line], picture: Figure | None) -> Canvas:
 
 
 def _pages(report: Report) -> Iterator[list[Line]]:
-    """Lines of each page, which takes the next tables that fit; one longer than a page is split, its head
-    repeated.
-    """
+    """Lines of each page, which takes the next tables that fit; a longer one is split, its head repeated."""
     page = list(_summary(report))
     waiting = [lines for section in report.sections for lines in _blocks(section)]
     while waiting:
@@ -214,20 +207,17 @@ def _table_lines(table: Table, caption: str) -> Iterator[Line]:
     rows = [[as_cell(item) for item in row] for row in table.rows]
     texts = [[textwrap.wrap(cell.text, _LONGEST_CELL) or [""] for cell in row] for row in rows]
     heads = [head.rstrip(">") for head in table.columns]
-    widths = [
-        max(len(head), *(len(part) for row in texts for part in row[k]), 0) + 3
-        for k, head in enumerate(heads)
-    ]
+    widths = [max(map(len, (head, *chain(*(row[k] for row in texts))))) + 3 for k, head in enumerate(heads)]
     total = max(sum(widths), 110)
     starts = np.concatenate([[0], np.cumsum(widths)]) / total
 
     def line(texts: Iterable[str], colours: Iterable[str]) -> Line:
-        return [
-            Words(starts[k + 1] - 2 / total, text, colour=colour, align="right")
-            if table.columns[k].endswith(">")
-            else Words(starts[k], text, colour=colour)
-            for k, (text, colour) in enumerate(zip(texts, colours, strict=True))
-        ]
+        found: Line = []
+        for k, (text, colour) in enumerate(zip(texts, colours, strict=True)):
+            numbers = table.columns[k].endswith(">")
+            place = starts[k + 1] - 2 / total if numbers else starts[k]
+            found.append(Words(place, text, colour=colour, align="right" if numbers else "left"))
+        return found
 
     yield line(heads, [GREY] * len(heads))
     for row, parts in zip(rows, texts, strict=True):

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 from rich.text import Text
 
 from edl6dof.metrics.evaluation import Check
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.metrics.published import Published, PublishedPair, published_figures
-from edl6dof.report.document import Report, as_cell
+from edl6dof.report.document import Report, as_cell, decimals
 from edl6dof.report.document import Table as ReportTable
 from edl6dof.report.document import Text as Paragraph
 
@@ -105,9 +105,8 @@ def timeline_table(flight: Flight) -> Table:
         height = event["height_m"]
         shown = f"{height:,.0f}" if height is not None and height < 1e7 else ""
         speed, mach = (event[key] if event[key] is not None else math.nan for key in ("speed_m_s", "mach"))
-        number = (
-            f"{mach:.2f}" if math.isfinite(mach) and not landed else ""
-        )  # on the ground it is that of the wind
+        flying = math.isfinite(mach) and not landed  # on the ground the number is that of the wind
+        number = f"{mach:.2f}" if flying else ""
         cells = Text(name, style="bold cyan" if starts_phase else ""), shown, f"{speed:,.1f}", number
         table.add_row(f"{event['t_s']:.2f}", *cells)
     return table
@@ -172,23 +171,14 @@ def open_table(title: str, *columns: str, narrow: bool = False) -> Table:
 
     A ``narrow`` table has smaller gaps between its columns, and breaks no cell into lines.
     """
-    table = Table(
-        title=Text(title, style="bold") if title else None,
-        title_justify="left",
-        header_style="",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-        padding=(0, 1, 0, 0) if narrow else (0, 1),
-    )
+    look: Any = {"title_justify": "left", "header_style": "", "box": box.SIMPLE_HEAD, "pad_edge": False}
+    table = Table(title=Text(title, style="bold") if title else None, **look)
+    table.padding = (0, 1, 0, 0) if narrow else (0, 1)
+    look = {"overflow": "fold", "vertical": "bottom" if narrow else "top"}
     for column in columns:
         numbers = column.endswith(">")
-        table.add_column(
-            column.rstrip(">"),
-            justify="right" if numbers else "left",
-            no_wrap=narrow or numbers,
-            overflow="fold",
-            vertical="bottom" if narrow else "top",
-        )
+        side: JustifyMethod = "right" if numbers else "left"
+        table.add_column(column.rstrip(">"), justify=side, no_wrap=narrow or numbers, **look)
     return table
 
 
@@ -242,7 +232,7 @@ def _published_places(value: float) -> int:
 
 def aligned_pair(value: float, limit: float, ok: bool) -> tuple[str, str]:
     """Format value and limit with three digits of the limit, or more if rounding would hide a violation."""
-    places = min(max(2 - math.floor(math.log10(limit)), 0), 6)
+    places = min(decimals(limit, 3), 6)
     while not ok and places < 9 and f"{value:.{places}f}" == f"{limit:.{places}f}":
         places += 1
     return (f"{value:,.{places}f}" if math.isfinite(value) else "-"), f"{limit:,.{places}f}"

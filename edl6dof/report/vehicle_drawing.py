@@ -15,8 +15,8 @@ from scipy.spatial import ConvexHull
 from edl6dof.design.thruster_authority import Configuration, groups_of
 from edl6dof.replay.scene import craft_shapes as shapes
 from edl6dof.replay.scene.outline import Outline, outline
-from edl6dof.report.document import Row, Table
-from edl6dof.report.figure import Axis, Figure, Kind, Panel, Trace
+from edl6dof.report.document import Row, Table, decimals
+from edl6dof.report.figure import Axis, Figure, Panel, Trace, through
 from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, SOFT, VERMILION
 from edl6dof.vehicle.vehicle import VehicleParams
 
@@ -31,7 +31,8 @@ _ARROW, _ENGINE, _AWAY, _TICK, _SAME = 0.12, 0.18, 0.09, 0.02, 0.02
 _ROOM, _SEEN = 0.07, 0.2
 #: Width of a panel, and height of its title and of the numbers below it, px.
 _WIDE, _WORDS = 430.0, 50
-#: Corners of a square with sides of 2.
+#: Direction from the middle of a panel to the corner of its axes, and corners of a square with sides of 2.
+_OUTWARDS = np.array([-1.0, 1.0])
 _SQUARE = np.array([[-1, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]])
 
 CAPTION = (
@@ -86,13 +87,13 @@ def vehicle_figure(vehicle: VehicleParams, states: Sequence[Configuration]) -> F
         low -= [2.0 * room, 0.0]
     half, middle = 0.5 * (high - low).max(axis=0) + room, 0.5 * (high + low)
     panels = []
-    for (view, traces), (x, y) in zip(views, middle, strict=True):
-        corner = np.array([x - half[0] + 0.9 * room, y + half[1] - 0.9 * room])
+    for (view, traces), at in zip(views, middle, strict=True):
+        corner = at + _OUTWARDS * half - _OUTWARDS * 0.9 * room
         place = np.stack([view.right, view.up], axis=1) @ corner
         axes = Arrows("", ("x", "y", "z"), np.tile(place, (3, 1)), np.eye(3), INK, 1.3 * room)
         traces += _arrows(axes, view, shape.size)
-        across = Axis(view.axes[0], (x - half[0], x + half[0]))
-        up = Axis(view.axes[1], (y - half[1], y + half[1]))
+        ends = zip(view.axes, at - half, at + half, strict=True)
+        across, up = (Axis(title, (low, high)) for title, low, high in ends)
         panels.append(Panel(across, up, traces, title=view.title, equal=True))
     height = round(_WIDE * half[1] / half[0]) + _WORDS
     title = f"{vehicle.name}; arrows show the exhaust"
@@ -104,29 +105,25 @@ def _drawn(
 ) -> Iterator[Trace]:
     """Draw everything that has a place on the vehicle, and the dimensions of the vehicle."""
     for corners, width in _outlines(vehicle, shape, view):
-        yield _trace(corners, colour=GREY, width=width)
+        yield through(corners, colour=GREY, width=width)
     for tank in vehicle.tanks:
         ring = _ring(view.flat(tank.centre_m), np.abs(view.flat(half_axes(tank.mass_kg, tank.inertia_kg_m2))))
-        yield _trace(ring, "tank", "region", colour=SKY)
-        yield _trace(ring, colour=SKY, dash="dash")
+        yield through(ring, "tank", "region", colour=SKY)
+        yield through(ring, colour=SKY, dash="dash")
     for surface in vehicle.surfaces:
         hinged = np.array([surface.position_x_m, 0.0, surface.position_z_m])
         corners = hinged + 0.5 * np.sqrt(surface.area_m2) * np.pad(_SQUARE, ((0, 0), (1, 0)))  # open
         labels = [surface.name.replace("_", " "), *[""] * (len(corners) - 1)]
-        yield _trace(view.flat(corners), labels=labels, colour=SOFT, width=2.5)
+        yield through(view.flat(corners), labels=labels, colour=SOFT, width=2.5)
     if pads := vehicle.landing_gear.footpads_m:
-        yield _trace(view.flat(pads), "footpads", "points", colour=SOFT, symbol="square")
+        yield through(view.flat(pads), "footpads", "points", colour=SOFT, symbol="square")
     for arrows in exhausts(vehicle, shape.size):
         yield from _arrows(arrows, view, shape.size)
     for state, (symbol, colour) in reversed([*zip(states, _CENTRES, strict=False)]):
         place = view.flat(state.centre_m)[None]
-        yield _trace(place, f"CM {state.name}", "points", colour=colour, symbol=symbol, width=3.0)
+        yield through(place, f"CM {state.name}", "points", colour=colour, symbol=symbol, width=3.0)
     if shape.body != "none":
         yield from _dimensions(shape, view)
-
-
-def _trace(places: np.ndarray, name: str = "", kind: Kind = "line", **look: Any) -> Trace:
-    return Trace(places[:, 0], places[:, 1], name, kind, **look)
 
 
 def exhausts(vehicle: VehicleParams, size: float) -> Iterator[Arrows]:
@@ -150,16 +147,16 @@ def _arrows(arrows: Arrows, view: View, size: float) -> Iterator[Trace]:
     ways = np.stack([start, tips, head + aside, tips, head - aside, np.full_like(step, np.nan)], axis=1)
     look: Any = {"colour": arrows.colour, "width": 1.8}
     if seen.any():
-        yield _trace(ways[seen].reshape(-1, 2), arrows.kind, **look)
+        yield through(ways[seen].reshape(-1, 2), arrows.kind, **look)
     for along, symbol in ((~seen & (depth > 0.0), "circle"), (~seen & (depth < 0.0), "x")):
         if along.any():
-            yield _trace(start[along], arrows.kind, "points", symbol=symbol, **look)
+            yield through(start[along], arrows.kind, "points", symbol=symbol, **look)
     named: dict[tuple[float, ...], list[int]] = {}
     for k in np.flatnonzero(seen | (view is TOP) | (not arrows.kind)):
         named.setdefault(tuple(np.round(tips[k] / (_SAME * size))), []).append(k)
     for _, members in sorted(named.items(), key=lambda one: one[0][::-1]):  # from below
         words = ", ".join(arrows.names[k] for k in members)
-        yield _trace(tips[members[:1]], labels=[words], colour=arrows.colour)
+        yield through(tips[members[:1]], labels=[words], colour=arrows.colour)
 
 
 def _outlines(vehicle: VehicleParams, shape: Outline, view: View) -> Iterator[tuple[np.ndarray, float]]:
@@ -209,8 +206,8 @@ def _dimensions(shape: Outline, view: View) -> Iterator[Trace]:
         ends = [place for at in (centre - end, centre + end) for place in (gap, at - tick, at + tick)]
         look: Any = {"colour": INK, "width": 1.0}
         labels = ["", f"{name} {2.0 * reach @ along:.2f} m", ""]
-        yield _trace(np.array([centre - end, centre, centre + end]), labels=labels, **look)
-        yield _trace(np.array(ends), **look)
+        yield through(np.array([centre - end, centre, centre + end]), labels=labels, **look)
+        yield through(np.array(ends), **look)
 
 
 def authority_tables(vehicle: VehicleParams, states: Sequence[Configuration]) -> list[Table]:
@@ -221,13 +218,11 @@ def authority_tables(vehicle: VehicleParams, states: Sequence[Configuration]) ->
     for state in states:
         rows: list[Row] = []
         for group, (pure, total) in state.groups.items():
-            named = [group, _thrust([jet.thrust_n for jet in members[group]]), "", ""]
-            kinds = ("torque (N m)", "  sum", "force (N)", "  sum")
-            values = (pure[3:], total[3:], pure[:3], total[:3])
-            rows += [
-                [name, kind, *map(_number, of.ravel())]
-                for name, kind, of in zip(named, kinds, values, strict=True)
-            ]
+            thrust = _thrust([jet.thrust_n for jet in members[group]])
+            rows.append([group, "torque (N m)", *map(_number, pure[3:].ravel())])
+            rows.append([thrust, "  sum", *map(_number, total[3:].ravel())])
+            rows.append(["", "force (N)", *map(_number, pure[:3].ravel())])
+            rows.append(["", "  sum", *map(_number, total[:3].ravel())])
         place = ", ".join(f"{round(x, 3) + 0.0:.3f}" for x in state.centre_m)
         caption = f"Thruster authority {state.name}, centre of mass at ({place}) m"
         tables += [Table(columns, rows, caption)] if rows else []
@@ -240,5 +235,4 @@ def _thrust(thrusts_n: Sequence[float]) -> str:
 
 
 def _number(value: float) -> str:
-    places = min(max(2 - int(np.floor(np.log10(abs(value)))), 0), 4) if value else 0
-    return f"{value:,.{places}f}"
+    return f"{value:,.{min(decimals(abs(value), 3), 4)}f}"

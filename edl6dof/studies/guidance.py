@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import count
 from math import cos, degrees, inf, isfinite, nan, radians, sin
 from typing import Any, NamedTuple
 
@@ -37,18 +38,16 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.flight_state import snapshots_at
-from edl6dof.studies.frame import Finding, Grid, Line, Panel, Report, Session, Study
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study, quickest_us
 from edl6dof.studies.samples import (
     Spread,
     column,
-    distribution,
     draw,
     kinds,
     mean,
     percentage,
     pick,
     quantile_grid,
-    quickest_us,
     with_quantile,
 )
 from edl6dof.vehicle.propulsion.rcs import Thruster
@@ -87,12 +86,9 @@ def run(session: Session) -> Report:
             label = {"vehicle": vehicle.name, "law": law}
             rows += session.fly(loaded, cases(loaded.scenario, truths, label), of_flight)
             calls[vehicle.name, law] = call_time(loaded)
-    dispersed = pick(rows, condition=DISPERSED)
-    far = [
-        row
-        for vehicle in VEHICLES
-        for row in lift_up(vehicle, dispersed, entries(vehicle, flights, session.seed))
-    ]
+    dispersed, far = pick(rows, condition=DISPERSED), list[Row]()
+    for vehicle in VEHICLES:
+        far += lift_up(vehicle, dispersed, entries(vehicle, flights, session.seed))
     beyond = {vehicle.name: out_of_reach(pick(far, vehicle=vehicle.name)) for vehicle in VEHICLES}
     found, grids = list(findings(rows, calls, beyond)), list(_grids(rows, calls))
     return Report(found, [*rows, *far], session.total + len(far), grids, REMARKS, _pictures(dispersed))
@@ -109,9 +105,7 @@ class Vehicle(NamedTuple):
     dispersions: str = ""
 
     def load(self, *more: str) -> LoadedScenario:
-        """Return the scenario of the vehicle with its changes and ``more`` overrides (``PATH=VALUE``); the
-        flight ends at mortar fire.
-        """
+        """Return the scenario with its changes and ``more`` (``PATH=VALUE``), which ends at mortar fire."""
         return edl6dof.load(self.name, ["mission.goal=deployment", *self.changes, *more])
 
 
@@ -163,17 +157,13 @@ def entries(vehicle: Vehicle, flights: int, seed: int) -> list[Values]:
     it has.  Each flight also has its own waves of density and gusts.
     """
     if vehicle.dispersions:
-        drawn = [
-            dict(case.truth) for case in load_plan(vehicle.dispersions, cases=flights, seed=seed).cases()
-        ]
-    else:
-        scenario = vehicle.load().scenario
-        spreads = [
-            Spread(path, nominal := value_at(scenario, path), width * nominal if share else width)
-            for path, width, share in _POINT_MASS
-        ]
-        drawn = draw(spreads, flights, seed)
-    return [{**truth, **WAVES_AND_GUSTS} for truth in drawn]
+        plan = load_plan(vehicle.dispersions, cases=flights, seed=seed)
+        return [{**case.truth, **WAVES_AND_GUSTS} for case in plan.cases()]
+    scenario, spreads = vehicle.load().scenario, list[Spread]()
+    for path, width, share in _POINT_MASS:
+        nominal = value_at(scenario, path)
+        spreads.append(Spread(path, nominal, width * nominal if share else width))
+    return [{**truth, **WAVES_AND_GUSTS} for truth in draw(spreads, flights, seed)]
 
 
 #: Dispersed parameters of a point mass: path, three sigma, and True if it is a share of the nominal value.
@@ -239,40 +229,31 @@ def half_bank_rate(scenario: Scenario, truth: Values) -> Values:
     return {path: 0.5 * value_at(scenario, path) for path in (f"{ENTRY}.bank_rate_deg_s", vehicle)}
 
 
-class Condition(NamedTuple):
-    """Changes of a dispersed entry that the flight computer does not know (``truth``), and known ones."""
-
-    truth: Change = lambda scenario, truth: {}
-    belief: Change = lambda scenario, truth: {}
-
-
-DISPERSED = "as dispersed"
-CONDITIONS = {
-    DISPERSED: Condition(),
-    "head wind": Condition(wind(180.0)),
-    "tail wind": Condition(wind(0.0)),
-    "cross wind": Condition(wind(90.0)),
-    "density x0.8": Condition(_scaled("atmosphere.density_factor", 0.8)),
-    "density x1.25": Condition(_scaled("atmosphere.density_factor", 1.25)),
-    "L/D -10 %": Condition(less_lift),
-    "mass +3 %": Condition(_scaled("vehicle.mass.entry_kg", 1.03)),
-    "half bank rate": Condition(belief=half_bank_rate),
-    "entry errors x2": Condition(doubled_entry_errors),
+DISPERSED, KNOWN = "as dispersed", "half bank rate"
+#: Changes of a dispersed entry; the flight computer knows that of ``KNOWN`` only.
+CONDITIONS: dict[str, Change] = {
+    DISPERSED: lambda scenario, truth: {},
+    "head wind": wind(180.0),
+    "tail wind": wind(0.0),
+    "cross wind": wind(90.0),
+    "density x0.8": _scaled("atmosphere.density_factor", 0.8),
+    "density x1.25": _scaled("atmosphere.density_factor", 1.25),
+    "L/D -10 %": less_lift,
+    "mass +3 %": _scaled("vehicle.mass.entry_kg", 1.03),
+    KNOWN: half_bank_rate,
+    "entry errors x2": doubled_entry_errors,
 }
 
 
 def cases(scenario: Scenario, truths: Sequence[Values], label: Values) -> Iterator[Case]:
-    """Yield all cases of a law on a vehicle: the dispersed entries, and the first of them again under each
-    condition.
-    """
-    index = 0
-    for name, condition in CONDITIONS.items():
+    """Yield the dispersed entries of a law on a vehicle, and the first of them under each condition."""
+    numbers = count()
+    for name, change in CONDITIONS.items():
         some = truths if name == DISPERSED else truths[: max(len(truths) // _PER_CONDITION, 1)]
         for flight, truth in enumerate(some):
-            changed = {**truth, **condition.truth(scenario, truth)}
-            known, about = condition.belief(scenario, truth), {**label, "condition": name}
-            yield Case(index, changed, known, flight, about)
-            index += 1
+            changed, about = change(scenario, truth), {**label, "condition": name}
+            true, known = ({}, changed) if name == KNOWN else (changed, {})
+            yield Case(next(numbers), {**truth, **true}, known, flight, about)
 
 
 # ---- entries that no bank angle brings to the aim point ------------------------------------------------
@@ -295,13 +276,9 @@ def lift_up(vehicle: Vehicle, dispersed: Sequence[Row], truths: Sequence[Values]
     for row, miss in zip(own, misses(own), strict=True):
         best[row["profile"]] = min(best.get(row["profile"], miss), miss)
     missed = sorted(number for number, miss in best.items() if miss > TARGET_KM)
-    if not missed:
-        return []
     about = {"vehicle": vehicle.name, "condition": "lift up", "law": "constant_bank"}
-    planned = (
-        Case(index, truths[number], profile=number, label=about) for index, number in enumerate(missed)
-    )
-    return list(fly_rows(vehicle.load("simulation.log_every=5", *_LIFT_UP), planned))
+    planned = [Case(k, truths[number], profile=number, label=about) for k, number in enumerate(missed)]
+    return list(fly_rows(vehicle.load("simulation.log_every=5", *_LIFT_UP), planned)) if planned else []
 
 
 def out_of_reach(rows: Sequence[Row]) -> set[int]:
@@ -424,9 +401,9 @@ def bias(rows: Sequence[Row]) -> float:
 def _conditions(
     title: str, laws: Iterable[str], rows: Sequence[Row], of: Callable[[list[Row]], float]
 ) -> Grid:
-    lines: list[Line] = [
-        (law, *(of(pick(rows, law=law, condition=name)) for name in CONDITIONS)) for law in laws
-    ]
+    lines: list[Line] = []
+    for law in laws:
+        lines.append((law, *(of(pick(rows, law=law, condition=name)) for name in CONDITIONS)))
     again = len(rows) // len(lines) - len(pick(rows, law=lines[0][0], condition=DISPERSED))
     several = counted(again // max(len(CONDITIONS) - 1, 1), "flight")
     return Grid(f"{title}; {several} in each column after the first", ("law", *CONDITIONS), lines)
@@ -500,7 +477,7 @@ def _pictures(dispersed: Sequence[Row]) -> dict[str, list[Panel]]:
     for vehicle in kinds(dispersed, "vehicle"):
         own = pick(dispersed, vehicle=vehicle)
         order = best_first(own)
-        curves = [distribution(misses(pick(own, law=law)), law) for law in order]
+        curves = [Curve.distribution(misses(pick(own, law=law)), law) for law in order]
         limit = 3.0 * not_exceeded(pick(own, law=order[0]), 0.99)
         options = {"xlim": (0.0, max(2.0 * TARGET_KM, limit))} if isfinite(limit) else {}
         labels = (f"{vehicle}: miss at the mortar", "miss (km)", "flights within (%)")

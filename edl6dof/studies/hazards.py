@@ -22,16 +22,7 @@ from edl6dof.config.wording import counted
 from edl6dof.fsw.hazard.registry import HAZARD_DETECTION
 from edl6dof.metrics.record_figures import COUNTED, FOOTPRINT
 from edl6dof.studies.frame import Curve, Finding, Grid, Panel, Report, Session, Study
-from edl6dof.studies.samples import (
-    column,
-    distribution,
-    kinds,
-    mean,
-    percentage,
-    pick,
-    quantile_grid,
-    with_quantile,
-)
+from edl6dof.studies.samples import column, kinds, mean, percentage, pick, quantile_grid, with_quantile
 
 SCENARIO, DISPERSIONS = "tianwen1_hazards", "tianwen1_mc"
 #: Share of the ground that rocks cover.
@@ -169,7 +160,7 @@ def _pictures(rows: list[Row]) -> dict[str, list[Panel]]:
     for way in ways:
         flown.append(Curve(percent, [on_a_rock(pick(rows, abundance=k, way=way)) for k in ABUNDANCES], way))
         if way != BLIND:
-            spots.append(distribution(column(pick(rows, abundance=AT, way=way), "spot_miss_m"), way))
+            spots.append(Curve.distribution(column(pick(rows, abundance=AT, way=way), "spot_miss_m"), way))
     panels = [Panel("landings on a rock >= 0.5 m", "rocks, % of the ground", "%", flown)]
     panels.append(Panel("touchdown from the chosen spot", "distance (m)", "flights within (%)", spots))
     return {"comparison": panels}

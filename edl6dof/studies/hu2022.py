@@ -72,11 +72,9 @@ def run(session: Session) -> Report:
     around = min(FLIGHTS, max(2, session.flights))
     release = state_at(nominal.figures["backshell_s"] + AFTER_RELEASE_S)
     before = avoidance_starts(session.flights)
-    tasks: list[Callable[[], Row]] = [
-        partial(entry_row, release, number, entry, formulation)
-        for number, entry in enumerate(draw_entries(session.flights, SEED))
-        for formulation in FORMULATIONS
-    ]
+    tasks: list[Callable[[], Row]] = []
+    for number, entry in enumerate(draw_entries(session.flights, SEED)):
+        tasks += [partial(entry_row, release, number, entry, formulation) for formulation in FORMULATIONS]
     avoided = avoidance_cases(len(before), nominal.scenario)
     tasks += [partial(avoidance_row, before, nominal.scenario, one) for one in avoided]
     single = len(AGAINST_STEP) + len(WING)
@@ -111,7 +109,6 @@ def carry_on(state: State, changes: Sequence[str], until_s: float = 900.0) -> Fl
 
 
 def _head(experiment: str, variant: str, flight: Flight, index: int = 0) -> Row:
-    """First columns of a row."""
     head = {"experiment": experiment, "variant": variant, "case": index}
     return {**head, "landed": bool(flight.landed), "outcome": flight.outcome}
 
@@ -198,10 +195,8 @@ def entry_row(release: State, index: int, entry: Entry, formulation: str) -> Row
     t, error = t[watched], thrust_error_deg(flight)[watched]
     return {
         **_head("entry", formulation, flight, index),
-        "roll_deg": entry.roll_deg,
-        "tilt_deg": entry.tilt_deg,
-        "first_error_deg": float(error[0]),
-        "peak_error_deg": float(error.max()),
+        **{"roll_deg": entry.roll_deg, "tilt_deg": entry.tilt_deg},
+        **{"first_error_deg": float(error[0]), "peak_error_deg": float(error.max())},
         "settled_s": last_time(t, error > FOUND_DEG),
         "mean_error_deg": float(np.trapezoid(error, t)) / WATCHED_S,
     }
@@ -266,11 +261,9 @@ def torque_steps(flight: Flight) -> dict[str, Flight]:
     x, y, z = flight.scenario.vehicle.engines[0].nozzle_m
     off = f"truth={json.dumps({'vehicle.engines.main.nozzle_m': [x, y + STEP_NM / thrust, z]})}"
     hover = flight.scenario.phase_roles.index(HOVER_IMAGING)
-    longer = f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"
-    return {
-        name: carry_on(state, [off, longer, *changes], start + STEP_WATCHED_S)
-        for name, changes in AGAINST_STEP.items()
-    }
+    changes = [off, f"mission.phases.{hover}.until.value={STEP_AFTER_S + STEP_WATCHED_S + 5.0}"]
+    end = start + STEP_WATCHED_S
+    return {name: carry_on(state, [*changes, *own], end) for name, own in AGAINST_STEP.items()}
 
 
 def step_row(name: str, flight: Flight) -> Row:
@@ -431,10 +424,10 @@ def _avoidance_grids(nominal: Flight, avoided: list[Row]) -> list[Grid]:
             line += (float(np.mean(error)), float(np.max(error)), float(np.mean(miss)))
         lines.append(line)
     each = counted(len(with_dead_thruster(avoided, FLOWN, diagnosed=False)), "flight")
-    slower = [
-        (f"{row['pole_rad_s']:g}", foreseen_deg(scenario, inertia, row["pole_rad_s"]), row["peak_error_deg"])
-        for row in pick(avoided, variant=FLOWN, thruster=SHOWN, moment_s=0.0, diagnosed=False, case=0)
-    ]
+    slower: list[Line] = []
+    for row in pick(avoided, variant=FLOWN, thruster=SHOWN, moment_s=0.0, diagnosed=False, case=0):
+        pole = row["pole_rad_s"]
+        slower.append((f"{pole:g}", foreseen_deg(scenario, inertia, pole), row["peak_error_deg"]))
     title = f"Fig. 7: roll error with a horizontal thruster dead in hazard avoidance, {each} each"
     foreseen = ("lambda (rad/s)", "foreseen (deg)", "flown (deg)")
     return [Grid(title, heads, lines), Grid(f"{SHOWN} dead, undiagnosed, {FLOWN}", foreseen, slower)]
@@ -448,15 +441,14 @@ def with_dead_thruster(avoided: list[Row], control: str, diagnosed: bool) -> lis
 
 def _pictures(nominal: Flight, states: list[State]) -> dict[str, list[Panel]]:
     """Fig. 7: roll with the paper's thruster dead from the start; Fig. 11: estimated torque."""
-    roll, table = [], nominal.telemetry
+    roll, own, figures = [], nominal.telemetry, nominal.figures
     for control, diagnosed in product(CONTROL, (True, False)):
         flight = avoid(states, nominal.scenario, Avoidance(0, control, diagnosed, SHOWN))
         rows = flight.during(HAZARD_AVOIDANCE)
         t, error = flight.telemetry["t_s"][rows], flight.telemetry["control.error_roll_deg"][rows]
         roll.append(Curve(t - t[0], error, f"{control}, {'' if diagnosed else 'un'}diagnosed"))
-    after, before = (nominal.figures[f"{one}_s"] for one in ("backshell", "touchdown"))
-    powered = (table["t_s"] > after) & (table["t_s"] < before)
-    torque = [Curve(table["t_s"][powered], table[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
+    powered = (own["t_s"] > figures["backshell_s"]) & (own["t_s"] < figures["touchdown_s"])
+    torque = [Curve(own["t_s"][powered], own[f"estimate.torque_{a}_nm"][powered], a) for a in "xyz"]
     panels = [Panel("Roll error", "time into hazard avoidance (s)", "error (deg)", roll)]
     panels.append(Panel("Estimated disturbance torque", "time (s)", "torque (N m)", torque))
     return {"fig7_fig11": panels}

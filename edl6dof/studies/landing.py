@@ -30,17 +30,8 @@ from edl6dof.scenario.records import build_records
 from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.sim.flight_state import snapshots_at
-from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study
-from edl6dof.studies.samples import (
-    column,
-    distribution,
-    kinds,
-    mean,
-    percentage,
-    pick,
-    quantile_grid,
-    quickest_us,
-)
+from edl6dof.studies.frame import Curve, Finding, Grid, Line, Panel, Report, Session, Study, quickest_us
+from edl6dof.studies.samples import column, kinds, mean, percentage, pick, quantile_grid
 
 SCENARIO, LAWS = "tianwen1_mc", POWERED_LAWS.names
 POWERED = "flight_software.guidance.powered"
@@ -122,10 +113,9 @@ def cases(scenario: Scenario, flights: Sequence[Case], law: str) -> list[Case]:
     names = {phase.role: phase.name for phase in reversed(scenario.mission.phases)}
     some = flights[: max(len(flights) // _PER_DIVERT, 1)]
     diverts = [(divert(m), one, {f"{POWERED}.target.divert_m": m}) for m in DIVERTS for one in some]
-    planned = [
-        (condition, one.index, one.truth, {**one.belief, **told}, one.profile)
-        for condition, one, told in [*((DISPERSED, one, {}) for one in flights), *diverts]
-    ]
+    planned = []
+    for condition, one, told in [*((DISPERSED, one, {}) for one in flights), *diverts]:
+        planned.append((condition, one.index, one.truth, {**one.belief, **told}, one.profile))
     ends = f"mission.phases.{names[PARACHUTE]}.until.value"
     planned += [(_release(h), i, {}, {ends: h}, 0) for i, h in enumerate(LATE_RELEASES)]
     for i, (name, (after, kind, values)) in enumerate(ENGINE_FAULTS.items()):
@@ -316,18 +306,17 @@ def _grids(rows: Sequence[Row], calls: Mapping[str, float]) -> Iterator[Grid]:
 
 
 def _kept(flown: Sequence[Row]) -> tuple[float, ...]:
-    return (
-        mean(flown, "peak_tilt_deg"),
-        _worst(flown, "peak_tilt_deg", 0.0),
-        percentage(not reached(row) for row in flown),
-        percentage(row.get("saturated_s", inf) > SATURATED_S for row in flown),
-        percentage(_came_down(flown)),
-    )
+    saturated = percentage(row.get("saturated_s", inf) > SATURATED_S for row in flown)
+    tilts = mean(flown, "peak_tilt_deg"), _worst(flown, "peak_tilt_deg", 0.0)
+    return *tilts, _missed(flown), saturated, percentage(_came_down(flown))
 
 
 def _diverted(flown: Sequence[Row]) -> tuple[float, float, float]:
-    missed = percentage(not reached(row) for row in flown)
-    return mean(flown, "hover_fuel_kg"), _worst(flown, "navigated_miss_m", inf), missed
+    return mean(flown, "hover_fuel_kg"), _worst(flown, "navigated_miss_m", inf), _missed(flown)
+
+
+def _missed(flown: Sequence[Row]) -> float:
+    return percentage(not reached(row) for row in flown)
 
 
 def _ground_speed(rows: Sequence[Row], law: str, condition: str) -> float:
@@ -371,7 +360,7 @@ def _pictures(rows: Sequence[Row]) -> dict[str, list[Panel]]:
         ("target_miss_m", "miss", "distance from the target where hover begins (m)", {"xscale": "log"}),
         ("peak_tilt_deg", "tilt of the thrust axis", "largest tilt (deg)", {}),
     ):
-        curves = [distribution(column(of(rows, law), name), law) for law in laws]
+        curves = [Curve.distribution(column(of(rows, law), name), law) for law in laws]
         panels.append(Panel(title, label, "flights within (%)", curves, options))
     fuel = {law: [mean(of(rows, law, divert(m)), "hover_fuel_kg") for m in DIVERTS] for law in laws}
     cost = [Curve(DIVERTS, values, law) for law, values in fuel.items()]

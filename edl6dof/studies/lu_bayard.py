@@ -105,14 +105,9 @@ def run(session: Session) -> Report:
 # ---- the law, and what the theorem allows --------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Design:
-    """Settings of the controller, and its model of the planet.
-
-    Attributes:
-        gain, weight, energy: lambda (s2), rho (s4) and epsilon (m2/s3) of the law.
-        gravity, radius, scale_height: gravity (m/s2), radius (m) and scale height (m) of the reference
-            sphere.
+class Design(NamedTuple):
+    """Settings of the controller: lambda (s2), rho (s4) and epsilon (m2/s3) of the law; and its model of the
+    planet: gravity (m/s2), radius (m) and scale height (m) of the reference sphere.
     """
 
     gain: float
@@ -229,12 +224,10 @@ class Motion:
     def sensed(self, state: State) -> tuple[float, float]:
         """Drag (m/s2) and its rate (m/s3), which the paper takes as measured."""
         height, speed, path = state
-        drag = self._drag(height, speed)
+        drag, dt = self._drag(height, speed), _NUDGE_S
         climb, speed_rate = speed * sin(path), -drag - self._gravity(height) * sin(path)
-        before, after = (
-            self._drag(height + dt * climb, speed + dt * speed_rate) for dt in (-_NUDGE_S, _NUDGE_S)
-        )
-        return drag, (after - before) / (2.0 * _NUDGE_S)
+        after = self._drag(height + dt * climb, speed + dt * speed_rate)
+        return drag, (after - self._drag(height - dt * climb, speed - dt * speed_rate)) / (2.0 * dt)
 
     def start(self) -> State:
         """The state at the start of the profile, with an error ``START_ERROR`` of drag."""
@@ -338,7 +331,6 @@ class Trial(NamedTuple):
 
 
 def _trials(settings: str, session: Session) -> list[Trial]:
-    """Every error with every steering."""
     loaded, found = edl6dof.load(SCENARIO, SETTINGS[settings]), []
     for errors, values in ERRORS.items():
         motion = Motion(loaded, values)

@@ -24,8 +24,6 @@ from edl6dof.studies.samples import beside_published, column, pick
 SCENARIO = "msl"
 ENTRY = "flight_software.guidance.entry"
 _BANK_80_30 = f"{ENTRY}.reference_bank={{points: [{{at: 1500, bank_deg: 30}}, {{at: 3500, bank_deg: 80}}]}}"
-
-
 #: Overrides that change the deployment, by the name of a row.
 CHANGES = {
     "as it is": (),
@@ -38,23 +36,19 @@ CHANGES = {
 }
 
 
-def _figure(label: str, unit: str, published: float | None, note: str = "") -> Finding:
-    return Finding(label, unit, nan, published, note=note)
-
-
-#: Figures of this study by column, still to be computed; the reversals are the first ones of range control.
-COMPARED: Mapping[str, Finding] = {
-    "peak_load_s": _figure("peak load", "s", 80.33),
-    "reversals": _figure("reversals of range control", "", 3.0),
-    **{
-        f"reversal_{k}_s": _figure(f"reversal {k}, through zero bank", "s", middle, "middle of the turn")
-        for k, middle in enumerate((79.28, 99.39, 128.82), 1)
-    },
-    "heading_s": _figure("heading alignment", "s", 135.63),
-    "navigated_mach": _figure("Mach at mortar fire, as navigated", "", None, "by ground speed"),
-    "path_deg": _figure("flight-path angle at mortar fire", "deg", None),
-    "range_km": _figure("range flown to mortar fire", "km", None, "630 km to the target"),
-    "beyond_km": _figure("beyond the aim point", "km", 2.385, "the rover, from its target"),
+#: Figures of this study by column: label, unit, published value and note; the reversals are the first ones of
+#: range control.
+COMPARED: Mapping[str, tuple[str, str, float | None, str]] = {
+    "peak_load_s": ("peak load", "s", 80.33, ""),
+    "reversals": ("reversals of range control", "", 3.0, ""),
+    "reversal_1_s": ("reversal 1, through zero bank", "s", 79.28, "middle of the turn"),
+    "reversal_2_s": ("reversal 2, through zero bank", "s", 99.39, "middle of the turn"),
+    "reversal_3_s": ("reversal 3, through zero bank", "s", 128.82, "middle of the turn"),
+    "heading_s": ("heading alignment", "s", 135.63, ""),
+    "navigated_mach": ("Mach at mortar fire, as navigated", "", None, "by ground speed"),
+    "path_deg": ("flight-path angle at mortar fire", "deg", None, ""),
+    "range_km": ("range flown to mortar fire", "km", None, "630 km to the target"),
+    "beyond_km": ("beyond the aim point", "km", 2.385, "the rover, from its target"),
 }
 #: Speed (m/s) and height above ground (km) at the mortar, as predicted.
 PREDICTED = (np.array([405.0]), np.array([11.0]))
@@ -113,11 +107,10 @@ def run(session: Session) -> Report:
     lines = [(name, *(own[key].mean for _, key in COLUMNS)) for name, own in means.items()]
     grid = Grid("One change of the scenario", ("", *(head for head, _ in COLUMNS)), lines)
     found, own = edl6dof.load(SCENARIO).scenario.published, means["as it is"]
-    nothing = SampleMean(nan, nan, 0)
     findings = [*beside_published(found, own)]
-    for name, finding in COMPARED.items():
-        mean = own.get(name, nothing)
-        findings.append(replace(finding, computed=mean.mean, spread=mean.deviation))
+    for name, (label, unit, published, note) in COMPARED.items():
+        mean, spread, _ = own.get(name, SampleMean(nan, nan, 0))
+        findings.append(Finding(label, unit, mean, published, note=note, spread=spread))
     return Report(findings, rows, len(rows), [grid], REMARKS, _pictures())
 
 
@@ -134,13 +127,10 @@ def means_of(rows: list[Row]) -> dict[str, SampleMean]:
 def _pictures() -> dict[str, list[Panel]]:
     """The bank history with the published reversals, and height over speed with the predicted deployment."""
     t = edl6dof.fly(SCENARIO).telemetry
-    turns = [COMPARED[f"reversal_{k}_s"].published for k in (1, 2, 3)]
+    turns = [COMPARED[f"reversal_{k}_s"][2] for k in (1, 2, 3)]
     bank = Curve(t["t_s"], t["truth.bank_deg"], "flown"), Curve(turns, np.zeros(3), "published", "dots")
-    path = (
-        Curve(t["truth.speed_m_s"], t["truth.height_m"] / 1e3, "flown"),
-        Curve(*PREDICTED, "predicted deployment", "dots"),
-    )
-    low = {"ylim": (0.0, 60.0)}
+    flown = Curve(t["truth.speed_m_s"], t["truth.height_m"] / 1e3, "flown")
+    path, low = (flown, Curve(*PREDICTED, "predicted deployment", "dots")), {"ylim": (0.0, 60.0)}
     panels = [Panel("Bank angle", "time (s)", "bank angle (deg)", bank)]
     panels.append(Panel("Path", "speed (m/s)", "height above ground (km)", path, low))
     return {"bank_and_path": panels}

@@ -55,17 +55,15 @@ def run(session: Session) -> Report:
         about = {"mach": float(mach[m]), "alpha_deg": float(alpha[a])}
         rows.append({**about, **dict(zip(names, both[m, a].tolist(), strict=True))})
     error = np.abs(own[..., 0] / published[..., 0] - 1.0)
-    findings = [
-        Finding(f"Phoenix, largest error of CA, {name}", "%", 100.0 * float(error[within].max()))
-        for name, low, high in REGIMES
-        if (within := (mach >= low) & (mach < high)).any()
-    ]
-    findings += [
-        Finding(f"Stardust, CA at Mach {m:g}", "", float(computed), value, within=0.1)
-        for (m, value), computed in zip(STARDUST_CA, axial, strict=True)
-    ]
-    grids = [_grid(mach, alpha, published, own)]
-    return Report(findings, rows, 1, grids, REMARKS, _pictures(mach, alpha, published, own))
+    findings = []
+    for name, low, high in REGIMES:
+        if (within := (mach >= low) & (mach < high)).any():
+            largest = 100.0 * float(error[within].max())
+            findings.append(Finding(f"Phoenix, largest error of CA, {name}", "%", largest))
+    for (m, value), computed in zip(STARDUST_CA, axial.tolist(), strict=True):
+        findings.append(Finding(f"Stardust, CA at Mach {m:g}", "", computed, value, within=0.1))
+    shown = mach, alpha, published, own
+    return Report(findings, rows, 1, [_grid(*shown)], REMARKS, _pictures(*shown))
 
 
 def _grid(mach: np.ndarray, alpha: np.ndarray, published: np.ndarray, own: np.ndarray) -> Grid:

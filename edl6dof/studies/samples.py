@@ -1,11 +1,10 @@
-"""Rows of flights: draws, columns, statistics, and the findings, tables and curves that are made of them."""
+"""Rows of flights: draws, columns, statistics, and the findings and tables that are made of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import inf, isinf, nan
-from time import thread_time
+from math import isinf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from edl6dof.fsw.guidance.entry.drag_dynamics import drag_dynamics
 from edl6dof.metrics.published import Published, published_figures
 from edl6dof.report.document import significant
 from edl6dof.sim.flight import Flight
-from edl6dof.studies.frame import Curve, Finding, Grid
+from edl6dof.studies.frame import Finding, Grid
 
 
 class Spread(NamedTuple):
@@ -31,11 +30,9 @@ class Spread(NamedTuple):
 
 def draw(spreads: Sequence[Spread], runs: int, seed: int) -> list[dict[str, float]]:
     """True values of ``runs`` flights by path; a longer series begins with the flights of a shorter."""
-    normal = np.random.default_rng(seed).standard_normal((runs, len(spreads)))
-    return [
-        {s.path: s.mean + s.three_sigma / 3.0 * float(x) for s, x in zip(spreads, row, strict=True)}
-        for row in normal
-    ]
+    rows = np.random.default_rng(seed).standard_normal((runs, len(spreads))).tolist()
+    drawn = (zip(spreads, row, strict=True) for row in rows)
+    return [{s.path: s.mean + s.three_sigma / 3.0 * x for s, x in pairs} for pairs in drawn]
 
 
 def pick(rows: Iterable[Row], **wanted: Any) -> list[Row]:
@@ -89,17 +86,6 @@ def drag_dynamics_of(flight: Flight, rows: Mapping[str, np.ndarray]) -> np.ndarr
     return np.array([drag_dynamics(*values, scale_height) for values in state])
 
 
-def quickest_us(call: Callable[[], None], blocks: int) -> float:
-    """Processor time (us) of the quickest of some calls; slower calls are disturbed by other work."""
-    call()
-    times = []
-    for _ in range(blocks):
-        start = thread_time()
-        call()
-        times.append(thread_time() - start)
-    return 1e6 * min(times)
-
-
 #: Quantiles of a table, where its flights can bound them.
 SHARES = (0.5, 0.95, 0.99)
 
@@ -112,10 +98,9 @@ def quantile_grid(title: str, head: str, samples: Mapping[str, np.ndarray]) -> G
     most = max(flights.values(), default=0)
     bounded = [share for share in SHARES if flights_needed(share) <= most]
     heads = [words for share in map(percent, bounded) for words in (share, f"{share} from", f"{share} to")]
-    refused = [
-        f"{percent(share)} needs {flights_needed(share):,}" for share in SHARES if share not in bounded
-    ]
-    too_small = f"; n = {most} too small: {', '.join(refused)}" if refused else ""
+    others = (share for share in SHARES if share not in bounded)
+    refused = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in others)
+    too_small = f"; n = {most} too small: {refused}" if refused else ""
     rows = []
     for name, sample in samples.items():
         found = [quantile(sample, share, flown=True) for share in bounded]
@@ -135,14 +120,6 @@ def with_quantile(finding: Finding, sample: np.ndarray, share: float) -> Finding
         return replace(finding, computed=nan, published=None, bound="", note=note)
     low, high = ("fails" if isinf(end) else significant(end, 3) for end in (found.low, found.high))
     return replace(finding, computed=found.value, note=f"{note}{low} .. {high} at 95 %")
-
-
-def distribution(sample: np.ndarray, label: str) -> Curve:
-    """Share (%) of the flights whose figure is at most a value; flights without it are missing at the top."""
-    ordered = np.sort(np.where(np.isnan(sample), inf, sample))
-    share = np.arange(1, len(ordered) + 1) / max(len(ordered), 1) * 100.0
-    known = np.isfinite(ordered)
-    return Curve(ordered[known], share[known], label)
 
 
 def beside_published(

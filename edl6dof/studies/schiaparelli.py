@@ -78,9 +78,7 @@ def run(session: Session) -> Report:
 
 
 def phases(flights: int, label: Mapping[str, Any]) -> list[Case]:
-    """Return the cases of ``flights`` entries, each with another phase of nutation and other gusts. Case k
-    does not depend on the number of flights.
-    """
+    """Return entries with other phases of nutation and gusts; case k does not depend on their number."""
     bank = np.random.default_rng(SEED).uniform(-180.0, 180.0, flights)
     turned = ({"initial.bank_deg": round(float(b), 3)} for b in bank)
     return [Case(k, truth=truth, profile=k, label=label) for k, truth in enumerate(turned)]
@@ -140,7 +138,6 @@ def _early(rows: list[Row]) -> int:
 
 
 def _cliff(rows: list[Row]) -> Grid:
-    """A line for each persistence of the flag."""
     lines: list[Line] = []
     for persistence in PERSISTENCES:
         own = pick(rows, persistence_s=persistence)
@@ -153,7 +150,6 @@ def _cliff(rows: list[Row]) -> Grid:
 
 
 def _guards(rows: list[Row]) -> Grid:
-    """A line for each guard."""
     lines: list[Line] = []
     for guard in GUARDS:
         own = pick(rows, guard=guard)

@@ -52,8 +52,8 @@ PRINTED = Experiment("the printed disturbance, 0.01 sin(t) rad/s", 0.01)
 WITHIN = Experiment("a disturbance within the authority, 0.002 sin(t) rad/s", 0.002)
 UNDISTURBED = Experiment("no disturbance", 0.0)
 OTHERS = tuple(
-    Experiment(f"the printed disturbance, gains {error:g} and {rate:g}", 0.01, (error, rate))
-    for error, rate in OTHER_GAINS
+    Experiment("the printed disturbance, gains {:g} and {:g}".format(*gains), 0.01, gains)
+    for gains in OTHER_GAINS
 )
 EXPERIMENTS = (PRINTED, WITHIN, UNDISTURBED, *OTHERS)
 RUNS = len(EXPERIMENTS) * len(LAWS) * len(CORNERS)
@@ -248,11 +248,9 @@ def _errors(start: float, gains: tuple[float, float], exponent: float, steps: in
     """Errors at all steps, by the midpoint rule."""
     powers = exponent, 2.0 * exponent / (1.0 + exponent)
 
-    def acceleration(x: float, rate: float) -> float:
-        terms = (
-            k * copysign(abs(y) ** power, y) for k, y, power in zip(gains, (x, rate), powers, strict=True)
-        )
-        return -sum(terms)
+    def acceleration(*state: float) -> float:
+        terms = zip(gains, state, powers, strict=True)
+        return -sum(k * copysign(abs(y) ** power, y) for k, y, power in terms)
 
     errors, x, rate = np.empty(steps), start, 0.0
     for k in range(steps):

@@ -149,12 +149,10 @@ def figures(flight: Flight) -> dict[str, float]:
     """Tracking quality of one flight."""
     rows, control = flight.telemetry, range_control(flight)
     t, error = rows["t_s"][control], (rows["nav.drag_m_s2"] - rows["guide.reference_drag_m_s2"])[control]
+    surface = rows["guide.surface_m_s3"][control]
     settled = _first_calm(t, np.abs(rows["guide.virtual_m_s3"][control]))
     found = {"control_start_s": t[0], "control_end_s": t[-1], "saturation_end_s": t[settled]}
-    for name, unit, values in (
-        ("error", "m_s2", error),
-        ("surface", "m_s3", rows["guide.surface_m_s3"][control]),
-    ):
+    for name, unit, values in (("error", "m_s2", error), ("surface", "m_s3", surface)):
         found[f"peak_{name}_{unit}"] = np.max(np.abs(values))
         found[f"peak_{name}_settled_{unit}"] = np.max(np.abs(values[settled:]))
     return {name: float(value) for name, value in found.items()}
@@ -229,9 +227,8 @@ def _against_the_print(
     middle, flights = float(np.median(altitude)), len(own)
     start, end = (float(np.mean(column(own, f"control_{moment}_s"))) for moment in ("start", "end"))
     near = percentage(np.abs(altitude - middle) <= BAND_KM)
-    yield Finding(
-        f"{name}: RMS miss", "km", rms(miss), RMS, within=tolerance(flights, sqrt(0.5)), why=dispersed
-    )
+    within = tolerance(flights, sqrt(0.5))
+    yield Finding(f"{name}: RMS miss", "km", rms(miss), RMS, within=within, why=dispersed)
     for limit, share in ((3.0, SHARE_3), (5.0, SHARE_5)):
         within = tolerance(flights, sqrt(100.0 / share - 1.0))
         label, inside = f"{name}: within {limit:g} km of the target", percentage(miss <= limit)
@@ -276,19 +273,15 @@ def _pictures(h: dict[str, np.ndarray], rows: list[Row]) -> dict[str, list[Panel
     t, time, angle = h["t_s"], "time (s)", np.linspace(0.0, 2.0 * np.pi, 200)
     drag = Curve(t, h["drag"], "flown"), Curve(t, h["reference"], "reference", "reference")
     true = Curve(t[50:-2], h["disturbance"][50:-2], "true", "reference")
+    both = Curve(t, h["estimate"], "estimate"), true
+    tracking = [Panel("Drag", time, "drag (m/s2)", drag), Panel("Lumped disturbance", time, "d (m/s4)", both)]
     circles = [Curve(r * np.cos(angle), r * np.sin(angle), f"{r:g} km", "reference") for r in (3.0, 5.0)]
     misses = []
     for name in (AS_PRINTED.name, INFERRED.name, FLOWN.name):
         own = pick(rows, experiment=name)
         dots = Curve(_km(own, "downrange"), _km(own, "crossrange"), "runs", "dots")
         misses.append(Panel(f"Miss, {name}", "downrange (km)", "crossrange (km)", [dots, *circles], SQUARE))
-    return {
-        "fig3_fig5_as_printed": [
-            Panel("Drag", time, "drag (m/s2)", drag),
-            Panel("Lumped disturbance", time, "d (m/s4)", [Curve(t, h["estimate"], "estimate"), true]),
-        ],
-        "fig6_misses": misses,
-    }
+    return {"fig3_fig5_as_printed": tracking, "fig6_misses": misses}
 
 
 TITLE = "Disturbance-observer sliding guidance with input saturation"

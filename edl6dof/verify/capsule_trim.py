@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from math import exp, pi, sqrt
 from pathlib import Path
@@ -14,7 +13,7 @@ import edl6dof
 from edl6dof.config.base import stated
 from edl6dof.scenario.schema import Scenario
 from edl6dof.verify import case
-from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, History, Report, Result, fit, flown, largest
+from edl6dof.verify.case import BARE, ENDLESS, NO_RATE, ONE_BODY, Bench, fit, given, largest
 
 _TABLE = Path(edl6dof.__file__).parent / "data" / "aerodynamics" / "phoenix_70deg_static_aero.csv"
 DIAMETER = 3.4
@@ -51,12 +50,9 @@ class Published:
 #: A capsule of the published table as it stands, in a gas whose ratio of specific heats is one number.
 HEAT_CAPACITY_RATIO = 1.29
 _CAPSULE = (
-    *(*BARE, *ONE_BODY, *ENDLESS, NO_RATE),
-    "vehicle.aero.capsule.axial_factor=1",
-    f"planet.gas.heat_capacity_ratio={HEAT_CAPACITY_RATIO}",
-    "planet.gas.vibrations=[]",
-    "initial.beta_deg=0",
-    "initial.bank_deg=0",
+    *(*BARE, *ONE_BODY, *ENDLESS, NO_RATE, "vehicle.aero.capsule.axial_factor=1"),
+    *given("planet.gas", heat_capacity_ratio=HEAT_CAPACITY_RATIO, vibrations=[]),
+    *given("initial", beta_deg=0, bank_deg=0),
 )
 
 
@@ -68,17 +64,12 @@ def _scene(mach: float, density: float, extra: tuple[str, ...] = ()) -> tuple[st
     """
     sound = sqrt(HEAT_CAPACITY_RATIO * 191.0 * 214.0)
     return (
-        *(*_CAPSULE, *case.WEIGHTLESS, *case.UNIFORM),
-        "vehicle.mass.entry_kg=1e9",
-        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {Published(mach).offset()!r}]",
-        "vehicle.aero.capsule.damping_factor=0",
+        *(*_CAPSULE, *case.WEIGHTLESS, *case.UNIFORM, "vehicle.aero.capsule.damping_factor=0"),
+        *given("vehicle.mass", entry_kg=1e9, entry_centre_m=[STATION, 0, Published(mach).offset()]),
         f"atmosphere.exponential.density_kg_m3={density}",
-        f"initial.speed_m_s={mach * sound!r}",
-        "initial.altitude_m=1000000",
-        "initial.flight_path_angle_deg=0",
-        f"initial.alpha_deg={-TRIM_DEG + 0.05}",
-        "simulation.time_limit_s=20",
-        *extra,
+        *given("initial", speed_m_s=mach * sound, altitude_m=1e6),
+        *given("initial", flight_path_angle_deg=0, alpha_deg=-TRIM_DEG + 0.05),
+        *("simulation.time_limit_s=20", *extra),
     )
 
 
@@ -95,7 +86,7 @@ def _stiffness(scenario: Scenario, mach: float) -> tuple[float, float]:
     return sqrt(-push * slope / inertia), push * DIAMETER**2 / (2.0 * speed * inertia)
 
 
-def capsule_trim(planted: Sequence[str] = ()) -> Report:
+def capsule_trim(bench: Bench) -> None:
     """Verifies: trim angle and pitch frequency of the capsule with an offset centre of mass, at Mach 2 and
     Mach 15.
 
@@ -106,25 +97,23 @@ def capsule_trim(planted: Sequence[str] = ()) -> Report:
     swing).
 
     Swing 0.05 deg about trim and measure the middle and the frequency.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    results, result = [], partial(Result, source="published table by PCHIP, linearised")
+    compare = partial(bench.compare, source="published table by PCHIP, linearised")
     for mach, density in ((2.0, 1e-2), (15.0, 1e-3)):
-        nominal, flight = flown(_scene(mach, density), planted)
+        nominal, flight = bench.flown(_scene(mach, density))
         t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
         expected, _ = _stiffness(nominal, mach)
         found, middle = fit(t, alpha, complex(0.0, expected))
         trim, off = abs(middle + TRIM_DEG), abs(found.imag / expected - 1.0)
         about = {"verifies": "static moment, CG offset", "why": "square of the swing"}
-        results.append(result(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about))
+        compare(f"trim angle, Mach {mach:g}", trim, 1e-3, "deg", **about)
         about = {"verifies": "static stability", "why": "slope changes within the swing"}
-        results.append(result(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about))
+        compare(f"pitch frequency, Mach {mach:g}", off, 1e-3, **about)
     curve = -TRIM_DEG + (alpha[0] + TRIM_DEG) * np.cos(expected * t)
-    return Report(results, History("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve))
+    bench.plot("Pitch at Mach 15", "time (s)", "alpha (deg)", t, alpha, curve)
 
 
-def damping(planted: Sequence[str] = ()) -> Report:
+def damping(bench: Bench) -> None:
     """Verifies: growth and decay of the pitch oscillation by the damping derivative.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source:
@@ -132,35 +121,27 @@ def damping(planted: Sequence[str] = ()) -> Report:
     sigma: curvature of the static moment within the swing of 0.05 deg leaks into the envelope.
 
     Swing with Cmq = -1 and +1 and measure the growth of the envelope.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    results, mach = [], 15.0
-    about = ("pitch damping", "linearised pitch equation", "curvature of the moment")
+    mach, about = 15.0, ("pitch damping", "linearised pitch equation", "curvature of the moment")
     for cmq in (-1.0, 1.0):
-        table = (
-            "vehicle.aero.capsule.damping_factor=1",
-            "vehicle.aero.capsule.damping_mach=[6]",
-            "vehicle.aero.capsule.damping_angle_deg=[0]",
-            f"vehicle.aero.capsule.damping_table=[[{cmq}]]",
-        )
-        nominal, flight = flown(_scene(mach, 1e-3, table), planted)
+        table = {"damping_mach": [6], "damping_angle_deg": [0], "damping_table": [[cmq]]}
+        damped = given("vehicle.aero.capsule", damping_factor=1, **table)
+        nominal, flight = bench.flown(_scene(mach, 1e-3, damped))
         t, alpha = flight.telemetry["t_s"], flight.telemetry["truth.alpha_deg"]
         frequency, unit = _stiffness(nominal, mach)
         sigma = 0.5 * unit * cmq
         found, _ = fit(t, alpha, complex(sigma, frequency))
         error = abs(found.real / sigma - 1.0)
-        results.append(Result(f"growth rate, Cmq {cmq:+g}", error, 1e-3, "-", *about))
+        bench.compare(f"growth rate, Cmq {cmq:+g}", error, 1e-3, "-", *about)
     envelope, swing = abs(alpha[0] + TRIM_DEG) * np.exp(sigma * t), alpha + TRIM_DEG
-    labels = ("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)")
-    return Report(results, History(*labels, t, swing, envelope))
+    bench.plot("Growth by Cmq = +1: envelope", "time (s)", "alpha from trim (deg)", t, swing, envelope)
 
 
 #: Roll angle (deg) by which the offset of the centre of mass is turned from the z axis.
 _TURNED_DEG = 35.0
 
 
-def offset_trim(planted: Sequence[str] = ()) -> Report:
+def offset_trim(bench: Bench) -> None:
     """Verifies: trim of the capsule with a centre of mass off the axis in y and z, at Mach 15.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule, too heavy to be slowed down | source: a
@@ -169,37 +150,24 @@ def offset_trim(planted: Sequence[str] = ()) -> Report:
     the trim error of ``capsule_trim``: a flight that begins off the trim swings to its other side.
 
     Begin at this trim and compare angle of attack and sideslip for 20 s.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     mach, trim, turn = 15.0, np.radians(TRIM_DEG), np.radians(_TURNED_DEG)
     apart = Published(mach).offset() * np.array([-np.sin(turn), np.cos(turn)])
     u, v, w = np.cos(trim), np.sin(trim) * np.sin(turn), -np.sin(trim) * np.cos(turn)
     alpha, beta = float(np.degrees(np.arctan2(w, u))), float(np.degrees(np.arcsin(v)))
-    trimmed = (
-        f"vehicle.mass.entry_centre_m=[{STATION}, {float(apart[0])!r}, {float(apart[1])!r}]",
-        f"initial.alpha_deg={alpha!r}",
-        f"initial.beta_deg={beta!r}",
-    )
-    rows = flown(_scene(mach, 1e-3, trimmed), planted)[1].telemetry
-    about = (
-        "-",
-        "static moment, CG offset in y and z",
-        "published table by PCHIP, turned",
-        "twice the trim error",
-    )
-    results = [
-        Result(name, largest(rows[f"truth.{name}_deg"] - angle), 2e-3, "deg", *about[1:])
-        for name, angle in (("alpha", alpha), ("beta", beta))
-    ]
-    return Report(results)
+    centre = f"vehicle.mass.entry_centre_m={[STATION, *apart.tolist()]}"
+    trimmed = (centre, *given("initial", alpha_deg=alpha, beta_deg=beta))
+    rows = bench.flown(_scene(mach, 1e-3, trimmed))[1].telemetry
+    about = "static moment, CG offset in y and z", "published table by PCHIP, turned", "twice the trim error"
+    for name, angle in (("alpha", alpha), ("beta", beta)):
+        bench.compare(name, largest(rows[f"truth.{name}_deg"] - angle), 2e-3, "deg", *about)
 
 
 #: Knudsen number, and share of the free-molecular coefficient: sin^2 of 0, pi/8, pi/4, 3 pi/8, pi/2.
 _SHARES = {1e-3: 0.0, 1e-2: 0.5 - sqrt(0.125), 0.1: 0.5, 1.0: 0.5 + sqrt(0.125), 10.0: 1.0, 1e3: 1.0}
 
 
-def bridging(planted: Sequence[str] = ()) -> Report:
+def bridging(bench: Bench) -> None:
     """Verifies: axial force from continuum to free-molecular flow, at Mach 15.
 
     gravity none | atmosphere uniform | winds none | vehicle capsule at zero angle of attack | source:
@@ -209,28 +177,22 @@ def bridging(planted: Sequence[str] = ()) -> Report:
     spheres | tolerance 1e-9: quadrature of the capsule's surface.
 
     Compare the axial coefficient at the start of flights in six densities.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    mach, results = 15.0, []
-    dense = float(Published(mach).axial(0.0))
+    mach, dense = 15.0, float(Published(15.0).axial(0.0))
     about = ("-", "rarefied flow", "published table, momentum of molecules", "quadrature of the surface")
     start = (
-        "initial.alpha_deg=0",
-        "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-        "initial.altitude_m=1000",
-        "simulation.time_limit_s=0.02",
+        *("vehicle.mass.entry_centre_m=[-0.85, 0, 0]", "simulation.time_limit_s=0.02"),
+        *given("initial", alpha_deg=0, altitude_m=1000),
     )
     gas = case.scenes(())[0].planet.gas
     path = gas.molecular_mass_kg / (sqrt(2.0) * pi * gas.molecular_diameter_m**2)
     for knudsen, share in _SHARES.items():
         density = path / (knudsen * DIAMETER)
-        nominal, flight = flown(_scene(mach, density, start), planted)
+        nominal, flight = bench.flown(_scene(mach, density, start))
         push = 0.5 * density * nominal.initial.speed**2 * pi / 4.0 * DIAMETER**2
         found = -float(flight.telemetry["truth.aero_force_x_n"][0]) / push
         error = abs(found - dense - share * (2.0 - dense))
-        results.append(Result(f"axial coefficient, Kn {knudsen:g}", error, 1e-9, *about))
-    return Report(results)
+        bench.compare(f"axial coefficient, Kn {knudsen:g}", error, 1e-9, *about)
 
 
 _MASS, _ALTITUDE, _SCALE, _RADIUS, _MU = 1285.0, 10e3, 200.0, 3396190.0, 4.282837285418775e13
@@ -246,27 +208,18 @@ def _glide(table: Published) -> tuple[str, ...]:
     density = 2.0 * weight / (table.lift * pi / 4.0 * DIAMETER**2 * speed2)
     slope = -np.degrees(2.0 * _SCALE / (_R * table.lift_to_drag * _START))
     return (
-        *_CAPSULE,
-        f"planet.equatorial_radius_m={_RADIUS}",
-        "planet.gravity.model=central",
-        f"planet.gravity.mu_m3_s2={_MU}",
-        "planet.gas.molecular_diameter_m=1e-8",
-        "atmosphere.model=exponential",
+        *(*_CAPSULE, "atmosphere.model=exponential", "simulation.time_limit_s=130"),
+        *(f"planet.equatorial_radius_m={_RADIUS}", "planet.gas.molecular_diameter_m=1e-8"),
+        *given("planet.gravity", model="central", mu_m3_s2=_MU),
         f"atmosphere.exponential={{density_kg_m3: {density * exp(_ALTITUDE / _SCALE)!r}, "
         f"scale_height_m: {_SCALE}, temperature_k: 5}}",
-        f"vehicle.mass.entry_kg={_MASS}",
-        f"vehicle.mass.entry_centre_m=[{STATION}, 0, {table.offset()!r}]",
-        f"initial.altitude_m={_ALTITUDE}",
-        f"initial.speed_m_s={float(np.sqrt(speed2))!r}",
-        f"initial.flight_path_angle_deg={float(slope)!r}",
-        "initial.latitude_deg=0",
-        "initial.azimuth_deg=90",
-        f"initial.alpha_deg={-TRIM_DEG}",
-        "simulation.time_limit_s=130",
+        *given("vehicle.mass", entry_kg=_MASS, entry_centre_m=[STATION, 0, table.offset()]),
+        *given("initial", altitude_m=_ALTITUDE, latitude_deg=0, azimuth_deg=90, alpha_deg=-TRIM_DEG),
+        *given("initial", speed_m_s=float(np.sqrt(speed2)), flight_path_angle_deg=float(slope)),
     )
 
 
-def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
+def equilibrium_glide(bench: Bench) -> None:
     """Verifies: lift, drag and the curvature of the planet together, on a glide from 80 % to 35 % of circular
     energy.
 
@@ -280,11 +233,9 @@ def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
     order, the slow phugoid from the start, and the change of weight with altitude are not included.
 
     Glide for 130 s; compare lift and weight at each speed, and the range.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     table = Published(30.0)
-    rows = flown(_glide(table), planted)[1].telemetry
+    rows = bench.flown(_glide(table))[1].telemetry
     t, v, r = rows["t_s"], rows["truth.speed_m_s"], _RADIUS + rows["truth.altitude_m"]
     u = v**2 * r / _MU
     short = 4.0 * _SCALE / (r * table.lift_to_drag**2 * u)
@@ -295,9 +246,7 @@ def equilibrium_glide(planted: Sequence[str] = ()) -> Report:
     steeper = 1.0 - short - 2.0 * _SCALE / (r * u * (1.0 - u))
     expected = float(-0.5 * r.mean() * table.lift_to_drag * np.trapezoid(1.0 / ((1.0 - u) * steeper), u))
     off, why = abs(flown_range / expected - 1.0), "second order of the glide's approximation"
-    result = partial(Result, source="Eggers, Allen & Neice, NACA 1382", why=why)
-    results = (
-        result("lift against weight", largest(ratio - 1.0), 1e-2, verifies="lift over a curved planet"),
-        result("range", off, 1e-2, verifies="lift-to-drag ratio"),
-    )
-    return Report(results, History("Equilibrium glide", "time (s)", "lift (m/s2)", t, lift, lift / ratio))
+    compare = partial(bench.compare, source="Eggers, Allen & Neice, NACA 1382", why=why)
+    compare("lift against weight", largest(ratio - 1.0), 1e-2, verifies="lift over a curved planet")
+    compare("range", off, 1e-2, verifies="lift-to-drag ratio")
+    bench.plot("Equilibrium glide", "time (s)", "lift (m/s2)", t, lift, lift / ratio)

@@ -1,5 +1,5 @@
 """Building blocks of check cases: the shipped scenario stripped down by overrides, flights from a given
-state, measurements in them, and comparisons.
+state, measurements in them, and the bench on which a case flies, compares and plots.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
+from edl6dof.report.figure import Axis, Figure, Panel, Trace
 from edl6dof.scenario import records
 from edl6dof.scenario.loaded import LoadedScenario
 from edl6dof.scenario.loading import load_scenario
@@ -22,21 +23,23 @@ from edl6dof.sim.loop import prepare
 from edl6dof.sim.outcome import OUTCOMES
 
 SCENARIO = "tianwen1"
+
+
+def given(place: str, **values: Any) -> tuple[str, ...]:
+    """Overrides of some values below a dotted path."""
+    return tuple(f"{place}.{name}={value}" for name, value in values.items())
+
+
 #: No flight software, wind, ground, rotation of the planet.
 BARE = (
-    "sensors.set=perfect",
-    "mission.phases=[]",
-    "wind.model=none",
-    "terrain.model=none",
-    "planet.rotation_rate_rad_s=0",
-    "planet.flattening=0",
-    "planet.areoid=''",
+    *("sensors.set=perfect", "mission.phases=[]", "wind.model=none", "terrain.model=none"),
+    *given("planet", rotation_rate_rad_s=0, flattening=0, areoid="''"),
     "simulation.step_s=0.01",
 )
 VACUUM = ("atmosphere.model=none", "vehicle.aero.model=none")
 WEIGHTLESS = ("planet.gravity.model=none",)
 #: A planet so large that gravity is 3.72 m/s2 straight down within 1e-5 over the few kilometres of a case.
-FLAT = ("planet.equatorial_radius_m=1e9", "planet.gravity.model=central", "planet.gravity.mu_m3_s2=3.72e18")
+FLAT = ("planet.equatorial_radius_m=1e9", *given("planet.gravity", model="central", mu_m3_s2=3.72e18))
 #: An atmosphere of the same density everywhere.
 UNIFORM = ("atmosphere.model=exponential", "atmosphere.exponential.scale_height_m=1e15")
 #: No part ever leaves and no propellant: one rigid body with the mass properties of the entry vehicle.
@@ -83,21 +86,9 @@ class Result:
         return bool(self.error <= self.tolerance)
 
 
-@dataclass(frozen=True)
-class History:
-    """Curves for the plot of a case, as flown and as expected from the independent source."""
-
-    title: str
-    x_label: str
-    y_label: str
-    x: np.ndarray
-    flown: np.ndarray
-    expected: np.ndarray
-
-
 @dataclass(frozen=True, repr=False)
 class Report:
-    """Comparisons of one case, and its history if it has one; name and time are those of its run.
+    """Comparisons of one case, and its plot if it has one; name and time are those of its run.
 
     Attributes:
         note: why the case was skipped or broke; empty otherwise.
@@ -105,7 +96,7 @@ class Report:
     """
 
     results: Sequence[Result] = ()
-    history: History | None = None
+    history: Figure | None = None
     name: str = ""
     seconds: float = 0.0
     note: str = ""
@@ -157,14 +148,37 @@ def scenes(overrides: Sequence[str], planted: Sequence[str] = ()) -> tuple[Scena
     return load_scenario(SCENARIO, overrides).scenario, load_scenario(SCENARIO, [*overrides, *planted])
 
 
-def flown(
-    overrides: Sequence[str], planted: Sequence[str] = (), ends: str = "time limit"
-) -> tuple[Scenario, Flight]:
-    """Return the scenario of the expected values, and the flight to the end called ``ends``; arguments as for
-    :func:`scenes` and :func:`to_the_end`.
+class Bench:
+    """One run of a check case.
+
+    Attributes:
+        planted: overrides of the flown scenarios alone, see :func:`scenes`.
+        results: comparisons so far.
+        history: plot, if the case has one.
     """
-    nominal, loaded = scenes(overrides, planted)
-    return nominal, to_the_end(loaded, ends=ends)
+
+    def __init__(self, planted: Sequence[str] = ()) -> None:
+        self.planted, self.results = planted, list[Result]()
+        self.history: Figure | None = None
+
+    def scenes(self, overrides: Sequence[str]) -> tuple[Scenario, LoadedScenario]:
+        """Return the scenario of the expected values, and the one to fly."""
+        return scenes(overrides, self.planted)
+
+    def flown(self, overrides: Sequence[str], ends: str = "time limit") -> tuple[Scenario, Flight]:
+        """Return the scenario of the expected values, and the flight to the end called ``ends``."""
+        nominal, loaded = self.scenes(overrides)
+        return nominal, to_the_end(loaded, ends=ends)
+
+    def compare(self, quantity: str, error: float, tolerance: float, *about: str, **named: str) -> None:
+        """Note a comparison; ``about``: unit, verifies, source and why of :class:`Result`."""
+        self.results.append(Result(quantity, error, tolerance, *about, **named))
+
+    def plot(self, title: str, x: str, y: str, at: np.ndarray, flown: np.ndarray, known: np.ndarray) -> None:
+        """Plot what was flown ``at`` x, and over it, thin and dashed, what was expected (``known``)."""
+        expected = Trace(at, known, "expected", dash="dash", width=1.2, border=True)
+        panel = Panel(Axis(x), Axis(y), [Trace(at, flown, "flown", width=3.0), expected])
+        self.history = Figure("history", title, [panel])
 
 
 def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "time limit") -> Flight:
@@ -181,12 +195,18 @@ def to_the_end(loaded: LoadedScenario, start: State | None = None, ends: str = "
 
 def state_of(loaded: LoadedScenario, change: Callable[[Any, Any], None] = lambda plant, fsw: None) -> State:
     """The initial state after ``change(plant, fsw)`` of its records, mass properties made consistent."""
-    tables = records.build_tables(loaded.truth)
-    case, onboard = records.build_case(loaded.truth, tables), records.build_onboard(loaded.scenario)
-    plant, fsw = records.initial_plant(loaded.truth, case), records.initial_fsw(onboard)
+    case = records.build_case(loaded.truth, records.build_tables(loaded.truth))
+    plant = records.initial_plant(loaded.truth, case)
+    fsw = records.initial_fsw(records.build_onboard(loaded.scenario))
     change(plant[0], fsw[0])
     prepare(case, plant)
     return State(0, plant, records.initial_peaks(), records.initial_sensors(), fsw, "")
+
+
+def records_of(loaded: LoadedScenario) -> tuple[np.void, np.void]:
+    """Case and tables of the flown scenario."""
+    tables = records.build_tables(loaded.truth)
+    return records.build_case(loaded.truth, tables)[0], tables[0]
 
 
 def vectors(flight: Flight, stem: str, suffix: str, axes: str = "xyz") -> np.ndarray:

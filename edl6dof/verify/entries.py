@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
 from math import cos, e, erf, exp, pi, radians, sin, sqrt
 
@@ -11,21 +11,17 @@ import numpy as np
 from edl6dof.config.base import stated
 from edl6dof.config.units import G0
 from edl6dof.scenario.schema import Scenario
-from edl6dof.verify.case import FREE, NO_RATE, History, Report, Result, flown, largest
+from edl6dof.verify.case import FREE, NO_RATE, Bench, given, largest
 
 _STRAIGHT = (
-    *(*FREE, NO_RATE),
-    "atmosphere.model=exponential",
-    "vehicle.aero.model=constant",
+    *(*FREE, NO_RATE, "atmosphere.model=exponential", "vehicle.aero.model=constant"),
     "vehicle.aero.constant={drag_coefficient: 1.5, reference_area_m2: 9, moment_reference_x_m: -0.85}",
-    "vehicle.mass.entry_centre_m=[-0.85, 0, 0]",
-    "vehicle.mass.entry_kg=400",
-    "initial.flight_path_angle_deg=-90",
-    "simulation.time_limit_s=60",
+    *given("vehicle.mass", entry_centre_m=[-0.85, 0, 0], entry_kg=400),
+    *("initial.flight_path_angle_deg=-90", "simulation.time_limit_s=60"),
 )
 
 
-def allen_eggers(planted: Sequence[str] = ()) -> Report:
+def allen_eggers(bench: Bench) -> None:
     """Verifies: drag through an exponential atmosphere, speed and peak deceleration.
 
     gravity none | atmosphere exponential | winds none | vehicle one rigid body with constant drag, straight
@@ -34,10 +30,8 @@ def allen_eggers(planted: Sequence[str] = ()) -> Report:
     speed: RK4 at 10 ms over scale heights of 2 s; 1e-6 of the peak, which falls between rows 20 ms apart.
 
     Fall straight down and compare the speed at every altitude, and the greatest deceleration.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_STRAIGHT, planted, ends="crashed")
+    nominal, flight = bench.flown(_STRAIGHT, ends="crashed")
     air, aero = stated(nominal.atmosphere.exponential), nominal.vehicle.aero.constant
     table = flight.telemetry
     flying = table["truth.height_m"] > 0.0
@@ -53,17 +47,13 @@ def allen_eggers(planted: Sequence[str] = ()) -> Report:
     near = slice(max(top - 2, 0), top + 3)
     a, b, c = np.polyfit(t[near] - t[top], load[near], 2)
     found = c - b * b / (4.0 * a)
-    result = partial(Result, verifies="drag and atmosphere", source="Allen & Eggers, NACA 1381")
-    results = (
-        result("speed", largest(v / expected - 1.0), 1e-8, why="truncation of RK4 at 10 ms"),
-        result("greatest deceleration", abs(found / peak - 1.0), 1e-6, why="parabola through five rows"),
-    )
-    return Report(
-        results, History("Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, v, expected)
-    )
+    compare = partial(bench.compare, verifies="drag and atmosphere", source="Allen & Eggers, NACA 1381")
+    compare("speed", largest(v / expected - 1.0), 1e-8, why="truncation of RK4 at 10 ms")
+    compare("greatest deceleration", abs(found / peak - 1.0), 1e-6, why="parabola through five rows")
+    bench.plot("Allen-Eggers entry", "altitude (km)", "speed (m/s)", h / 1e3, v, expected)
 
 
-def heating(planted: Sequence[str] = ()) -> Report:
+def heating(bench: Bench) -> None:
     """Verifies: heat flux and heat load at the stagnation point.
 
     gravity none | atmosphere exponential | winds none | vehicle one rigid body with constant drag, straight
@@ -73,10 +63,8 @@ def heating(planted: Sequence[str] = ()) -> Report:
     that of the speed, and 1e-8 of the load: RK4 at 10 ms over scale heights of 2 s.
 
     Fall straight down and compare both at every altitude.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_STRAIGHT, planted, ends="crashed")
+    nominal, flight = bench.flown(_STRAIGHT, ends="crashed")
     table, planet, vehicle = flight.telemetry, nominal.planet, nominal.vehicle
     air, aero = stated(nominal.atmosphere.exponential), vehicle.aero.constant
     scale = air.scale_height_m
@@ -90,28 +78,20 @@ def heating(planted: Sequence[str] = ()) -> Report:
     size = factor * scale * nominal.initial.speed**2 * sqrt(pi / thickness) * exp(thickness * rho_start)
     load = size * passed / 1e4
     found, gathered = table["truth.heat_flux_w_cm2"][1:], table["truth.heat_load_j_cm2"][1:]
-    why, result = "truncation of RK4 at 10 ms", partial(Result, verifies="convective heating")
-    results = (
-        result("heat flux", largest(found / flux - 1.0), 3e-8, source="Sutton & Graves", why=why),
-        result("heat load", largest(gathered - load) / load[-1], 1e-8, source="error function", why=why),
-    )
-    labels = ("Heating of an Allen-Eggers entry", "altitude (km)", "heat load (J/cm2)")
-    return Report(results, History(*labels, h / 1e3, gathered, load))
+    compare = partial(bench.compare, verifies="convective heating", why="truncation of RK4 at 10 ms")
+    compare("heat flux", largest(found / flux - 1.0), 3e-8, source="Sutton & Graves")
+    compare("heat load", largest(gathered - load) / load[-1], 1e-8, source="error function")
+    title = "Heating of an Allen-Eggers entry"
+    bench.plot(title, "altitude (km)", "heat load (J/cm2)", h / 1e3, gathered, load)
 
 
 _BANKED = (
-    "dynamics=point_mass",
-    "mission={goal: time, phases: []}",
-    "planet.flattening=0",
-    "planet.areoid=''",
-    "planet.gravity.model=central",
-    "atmosphere.model=exponential",
-    "wind.model=none",
-    "terrain.model=none",
+    *("dynamics=point_mass", "mission={goal: time, phases: []}"),
+    *("planet.flattening=0", "planet.areoid=''", "planet.gravity.model=central"),
+    *("atmosphere.model=exponential", "wind.model=none", "terrain.model=none"),
     "vehicle.aero.model=lift_drag",
     "vehicle.aero.lift_drag={reference_area_m2: 9.0, drag_coefficient: 1.6, lift_to_drag: 0.2}",
-    "initial.bank_deg=55",
-    "simulation.time_limit_s=150",
+    *("initial.bank_deg=55", "simulation.time_limit_s=150"),
 )
 
 
@@ -162,7 +142,7 @@ def integrated(scenario: Scenario, times: np.ndarray) -> np.ndarray:
     return solve_ivp(spherical(scenario), (0.0, times[-1]), start, "DOP853", times, rtol=1e-11, atol=1e-10).y
 
 
-def point_mass(planted: Sequence[str] = ()) -> Report:
+def point_mass(bench: Bench) -> None:
     """Verifies: the point mass in place of the rigid body: path, bank angle about the velocity, rotation of
     the planet.
 
@@ -172,10 +152,8 @@ def point_mass(planted: Sequence[str] = ()) -> Report:
     tolerance 1 mm and 0.01 mm/s over 150 s: RK4 at 10 ms.
 
     Fly banked over a rotating planet; compare place and speed with the spherical equations.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_BANKED, planted)
+    nominal, flight = bench.flown(_BANKED)
     rows = {name: values[::50] for name, values in flight.telemetry.items()}
     radius = nominal.planet.equatorial_radius_m
     r, lon, lat, v, _, _ = integrated(nominal, rows["t_s"])
@@ -184,8 +162,8 @@ def point_mass(planted: Sequence[str] = ()) -> Report:
     east = radius * np.radians(rows["truth.longitude_deg"] - np.degrees(lon)) * np.cos(lat)
     off, speed = np.sqrt(up**2 + north**2 + east**2), np.abs(rows["truth.speed_m_s"] - v)
     source, why = "Vinh, Busemann & Culp, section 2-3", "truncation of RK4 at 10 ms"
-    result = partial(Result, verifies="point-mass dynamics", source=source, why=why)
-    results = (result("place", off.max(), 1e-3, "m"), result("speed", speed.max(), 1e-5, "m/s"))
-    labels = ("Banked point mass", "longitude (deg)", "latitude (deg)")
-    curves = History(*labels, np.degrees(lon), rows["truth.latitude_deg"], np.degrees(lat))
-    return Report(results, curves)
+    compare = partial(bench.compare, verifies="point-mass dynamics", source=source, why=why)
+    compare("place", off.max(), 1e-3, "m")
+    compare("speed", speed.max(), 1e-5, "m/s")
+    curves = np.degrees(lon), rows["truth.latitude_deg"], np.degrees(lat)
+    bench.plot("Banked point mass", "longitude (deg)", "latitude (deg)", *curves)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -12,28 +11,25 @@ from scipy.special import ellipj, ellipk
 
 from edl6dof.config.base import stated
 from edl6dof.sim.flight import Flight
-from edl6dof.verify.case import BARE, FREE, NO_RATE, History, Report, Result, flown, largest, vectors
+from edl6dof.verify.case import BARE, FREE, NO_RATE, Bench, given, largest, vectors
 
 _ORDER = (
-    *BARE,
-    "flight_software.rates.base_hz=5",
-    "atmosphere.model=exponential",
-    "vehicle.aero.model=constant",
+    *(*BARE, "flight_software.rates.base_hz=5"),
+    *("atmosphere.model=exponential", "vehicle.aero.model=constant"),
     "vehicle.aero.constant={drag_coefficient: 1.5, pitch_damping: -0.5, reference_area_m2: 9, chord_m: 3.4, "
     "moment_reference_x_m: -1.2}",
-    "initial.altitude_m=45000",
-    "initial.rate_deg_s=[5, 20, 3]",
+    *given("initial", altitude_m=45000, rate_deg_s=[5, 20, 3]),
     "simulation.time_limit_s=20",
 )
 _PARTS = {"position": slice(0, 3), "velocity": slice(3, 6), "attitude": slice(6, 10), "rate": slice(10, 13)}
 
 
-def end_state(step: float, planted: Sequence[str] = ()) -> np.ndarray:
-    """State after 20 s in steps of ``step`` s; ``planted``: see :func:`edl6dof.verify.case.scenes`."""
-    return flown([*_ORDER, f"simulation.step_s={step}"], planted)[1].plant["y"][0, :13].copy()
+def end_state(step: float, bench: Bench) -> np.ndarray:
+    """State after 20 s in steps of ``step`` s."""
+    return bench.flown([*_ORDER, f"simulation.step_s={step}"])[1].plant["y"][0, :13].copy()
 
 
-def rk4_order(planted: Sequence[str] = ()) -> Report:
+def rk4_order(bench: Bench) -> None:
     """Verifies: the integrator is of fourth order, in position, velocity, attitude and rate.
 
     gravity harmonics of degree 4 | atmosphere exponential | winds none | vehicle spinning, constant drag and
@@ -42,31 +38,20 @@ def rk4_order(planted: Sequence[str] = ()) -> Report:
     step longer, and the smallest difference stands 100 above rounding.
 
     Fly with three steps and compare the differences.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    coarse, middle, fine = (end_state(step, planted) for step in (0.1, 0.05, 0.025))
+    coarse, middle, fine = (end_state(step, bench) for step in (0.1, 0.05, 0.025))
     about = ("Runge-Kutta step", "step halving", "next term of the error")
-    results = []
     for name, part in _PARTS.items():
         sizes = (np.linalg.norm(a[part] - b[part]) for a, b in ((coarse, middle), (middle, fine)))
         order = float(np.log2(np.divide(*sizes)))
-        results.append(Result(f"order, {name}", abs(order - 4.0), 0.3, "-", *about))
-    return Report(results)
+        bench.compare(f"order, {name}", abs(order - 4.0), 0.3, "-", *about)
 
 
 _ORBIT = (
-    *(*FREE, NO_RATE),
-    "planet.gravity.model=central",
-    "initial.altitude_m=5e6",
-    "initial.latitude_deg=20",
-    "initial.azimuth_deg=60",
-    "initial.speed_m_s=1900",
-    "initial.flight_path_angle_deg=0",
-    "simulation.step_s=0.1",
-    "flight_software.rates.base_hz=5",
-    "simulation.log_every=100",
-    "simulation.time_limit_s=16000",
+    *(*FREE, NO_RATE, "planet.gravity.model=central", "flight_software.rates.base_hz=5"),
+    *given("initial", altitude_m=5e6, latitude_deg=20, azimuth_deg=60),
+    *given("initial", speed_m_s=1900, flight_path_angle_deg=0),
+    *given("simulation", step_s=0.1, log_every=100, time_limit_s=16000),
 )
 
 
@@ -89,7 +74,7 @@ def _orbit(mu: float, r: np.ndarray, v: np.ndarray, t: np.ndarray) -> tuple[np.n
     return position, np.outer(-axis * np.sin(E) * rate, p_hat) + np.outer(minor * np.cos(E) * rate, q_hat)
 
 
-def kepler(planted: Sequence[str] = ()) -> Report:
+def kepler(bench: Bench) -> None:
     """Verifies: translation under gravity over one whole orbit, against Kepler's equation.
 
     gravity central | atmosphere none | winds none | vehicle one rigid body | source: closed form of the
@@ -100,19 +85,18 @@ def kepler(planted: Sequence[str] = ()) -> Report:
     = 4e-4 rad/s and the step h = 0.1 s, is smaller by far.
 
     Fly once around and compare every row.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_ORBIT, planted)
+    nominal, flight = bench.flown(_ORBIT)
     r, v, t = vectors(flight, "r_I", "m"), vectors(flight, "v_I", "m_s"), flight.telemetry["t_s"]
     r_expected, v_expected = _orbit(nominal.planet.gravity.mu_m3_s2, r[0], v[0], t)
     far, fast = np.linalg.norm(r - r_expected, axis=1), np.linalg.norm(v - v_expected, axis=1)
     verifies, source = "gravity and translation over an orbit", "Kepler's equation"
     why = "rounding of 160,000 steps; truncation is 1000 times smaller"
-    result = partial(Result, verifies=verifies, source=source, why=why)
-    results = (result("position", far.max(), 1e-4, "m"), result("velocity", fast.max(), 1e-7, "m/s"))
-    distance = (np.linalg.norm(each, axis=1) / 1e3 for each in (r, r_expected))
-    return Report(results, History("Kepler arc", "time (s)", "distance from the centre (km)", t, *distance))
+    compare = partial(bench.compare, verifies=verifies, source=source, why=why)
+    compare("position", far.max(), 1e-4, "m")
+    compare("velocity", fast.max(), 1e-7, "m/s")
+    distances = (np.linalg.norm(each, axis=1) / 1e3 for each in (r, r_expected))
+    bench.plot("Kepler arc", "time (s)", "distance from the centre (km)", t, *distances)
 
 
 def _rotation(flight: Flight) -> tuple[np.ndarray, np.ndarray, Rotation]:
@@ -122,12 +106,9 @@ def _rotation(flight: Flight) -> tuple[np.ndarray, np.ndarray, Rotation]:
 
 
 _TUMBLING = (
-    *FREE,
-    "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 1000]",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[0.0, 0.5, 30.0]",
-    "simulation.time_limit_s=1000",
-    "simulation.log_every=10",
+    *(*FREE, "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 1000]"),
+    *given("initial", speed_m_s=0, rate_deg_s=[0.0, 0.5, 30.0]),
+    *given("simulation", time_limit_s=1000, log_every=10),
 )
 
 
@@ -150,7 +131,7 @@ def _body_rates(inertia: np.ndarray, start: np.ndarray, t: np.ndarray) -> np.nda
     return np.stack([a3 * cn, a1 * dn, a2 * sn], axis=1)
 
 
-def tumbling(planted: Sequence[str] = ()) -> Report:
+def tumbling(bench: Bench) -> None:
     """Verifies: rotation about three unequal axes over 1,000 s, with the flips of the intermediate axis
     (Dzhanibekov).
 
@@ -161,34 +142,27 @@ def tumbling(planted: Sequence[str] = ()) -> Report:
     momentum shifts the time of the last of six flips, near the separatrix, by 1e-7 of a period.
 
     Tumble for 1,000 s and compare energy, angular momentum in I and every body rate.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_TUMBLING, planted)
+    nominal, flight = bench.flown(_TUMBLING)
     inertia = np.array(nominal.vehicle.mass.entry_inertia_kg_m2)
     t, w, attitude = _rotation(flight)
     energy, momentum = 0.5 * np.sum(inertia * w**2, axis=1), attitude.apply(inertia * w)
     drift = np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0])
     expected = _body_rates(inertia, w[0], t)
     flips = int(np.sum(np.diff(np.sign(w[:, 2])) != 0))
-    result = partial(Result, verifies=f"torque-free tumbling with {flips} flips")
+    compare = partial(bench.compare, verifies=f"torque-free tumbling with {flips} flips")
     why = "truncation of RK4 at 10 ms and 0.5 rad/s: 1e-11 over 100,000 steps"
     kept = {"source": "conservation", "why": why}
     near = {"source": "Jacobi elliptic functions", "why": "time of the flips near the separatrix"}
-    results = (
-        result("rotational energy", float(np.ptp(energy) / energy[0]), 1e-9, **kept),
-        result("angular momentum in I", largest(drift), 1e-9, **kept),
-        result("body rates", largest(w - expected) / np.linalg.norm(w[0]), 1e-6, **near),
-    )
-    labels = ("Intermediate-axis flips", "time (s)", "rate about z (rad/s)")
-    return Report(results, History(*labels, t, w[:, 2], expected[:, 2]))
+    compare("rotational energy", float(np.ptp(energy) / energy[0]), 1e-9, **kept)
+    compare("angular momentum in I", largest(drift), 1e-9, **kept)
+    compare("body rates", largest(w - expected) / np.linalg.norm(w[0]), 1e-6, **near)
+    bench.plot("Intermediate-axis flips", "time (s)", "rate about z (rad/s)", t, w[:, 2], expected[:, 2])
 
 
 _TOP = (
-    *FREE,
-    "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 900]",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[60, 20, 0]",
+    *(*FREE, "vehicle.mass.entry_inertia_kg_m2=[1150, 900, 900]"),
+    *given("initial", speed_m_s=0, rate_deg_s=[60, 20, 0]),
     "simulation.time_limit_s=200",
 )
 
@@ -197,7 +171,7 @@ def _slope(t: np.ndarray, angle: np.ndarray) -> float:
     return float(np.polyfit(t, np.unwrap(angle), 1)[0])
 
 
-def symmetric_top(planted: Sequence[str] = ()) -> Report:
+def symmetric_top(bench: Bench) -> None:
     """Verifies: precession of a spinning symmetric body, seen from the body and from outside.
 
     gravity none | atmosphere none | winds none | vehicle one rigid body, Iyy = Izz | source: Goldstein,
@@ -206,10 +180,8 @@ def symmetric_top(planted: Sequence[str] = ()) -> Report:
     and 1.2 rad/s is (w h)^4 / 120 = 2e-10.
 
     Spin for 200 s and measure both turning rates by the slope of their phase.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, flight = flown(_TOP, planted)
+    nominal, flight = bench.flown(_TOP)
     axial, lateral, _ = stated(nominal.vehicle.mass.entry_inertia_kg_m2)
     t, w, attitude = _rotation(flight)
     in_body = _slope(t, np.arctan2(w[:, 2], w[:, 1]))
@@ -221,11 +193,9 @@ def symmetric_top(planted: Sequence[str] = ()) -> Report:
     across /= np.linalg.norm(across)
     outside = _slope(t, np.arctan2(axis @ np.cross(h_hat, across), axis @ across))
     expected_outside = float(np.linalg.norm(momentum)) / lateral
-    result = partial(Result, source="symmetric top", why="phase error of RK4, (w h)^4 / 120, is 2e-10")
-    off_body, off_outside = abs(in_body / expected_body - 1.0), abs(outside / expected_outside - 1.0)
-    results = (
-        result("rate in the body", off_body, 1e-8, verifies="gyroscopic coupling"),
-        result("rate in space", off_outside, 1e-8, verifies="rate to attitude"),
-    )
+    why = "phase error of RK4, (w h)^4 / 120, is 2e-10"
+    compare = partial(bench.compare, source="symmetric top", why=why)
+    compare("rate in the body", abs(in_body / expected_body - 1.0), 1e-8, verifies="gyroscopic coupling")
+    compare("rate in space", abs(outside / expected_outside - 1.0), 1e-8, verifies="rate to attitude")
     curve = w[0, 1] * np.cos(expected_body * t)
-    return Report(results, History("Symmetric top", "time (s)", "pitch rate (rad/s)", t, w[:, 1], curve))
+    bench.plot("Symmetric top", "time (s)", "pitch rate (rad/s)", t, w[:, 1], curve)

@@ -45,13 +45,9 @@ class Trace(NamedTuple):
 
 
 def golden_names() -> list[str]:
-    """Names of the golden flights (all shipped scenarios but campaign files and those with plugins), and of
-    the campaign.
-    """
-    names = shipped_names("scenarios")
-    return [name for name in names if not name.endswith("_mc") and not name.startswith("plugin/")] + [
-        CAMPAIGN
-    ]
+    """Names of the golden flights, all shipped scenarios without campaigns and plugins; and the campaign."""
+    names = (name for name in shipped_names("scenarios") if not name.startswith("plugin/"))
+    return [*(name for name in names if not name.endswith("_mc")), CAMPAIGN]
 
 
 def traced(name: str) -> Trace:

@@ -10,8 +10,6 @@ together: 1e-5 there, RK4 turns a riser of 30 rad/s in steps of 10 ms.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -21,14 +19,12 @@ from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.vehicle.propulsion.feed_system import with_propellant
 from edl6dof.verify import case
-from edl6dof.verify.case import Report, Result, doing, scenes, state_of, to_the_end
+from edl6dof.verify.case import Bench, doing, given, state_of, to_the_end
 
 _SCENE = (
     *(*case.BARE, *case.VACUUM, *case.WEIGHTLESS, *case.ENDLESS),
     "planet.equatorial_radius_m=1000",
-    "initial.altitude_m=1000",
-    "initial.speed_m_s=0",
-    "initial.rate_deg_s=[10, -20, 11]",
+    *given("initial", altitude_m=1000, speed_m_s=0, rate_deg_s=[10, -20, 11]),
 )
 #: Action and component of the event at t = 0, part that leaves (as the canopy, or on its own), seconds flown,
 #: tolerance.
@@ -83,18 +79,13 @@ def _balance(nominal: Scenario, start: State, flight: Flight, part: str, seconds
     return float(max(np.linalg.norm(c) for c in change) / impulse)
 
 
-def run(planted: Sequence[str] = ()) -> Report:
-    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
-    """
-    results = []
+def jettison(bench: Bench) -> None:
+    """Part each body at t = 0 from a tumbling vehicle, fly on and compare the sums."""
     for name, action, component, part, seconds, tolerance in _PARTINGS:
         scene = [*_SCENE, *doing((action, component, 0.0)), f"simulation.time_limit_s={seconds}"]
-        nominal, loaded = scenes(scene, planted)
+        nominal, loaded = bench.scenes(scene)
         flight = to_the_end(loaded)
         error = _balance(nominal, state_of(loaded), flight, part, seconds)
         why = "rounding" if tolerance < 1e-6 else "line stretch, stiff riser"
         about = ("-", "separation and riser", "conservation of momentum", why)
-        results.append(Result(f"{name}, {seconds:g} s", error, tolerance, *about))
-    return Report(results)
+        bench.compare(f"{name}, {seconds:g} s", error, tolerance, *about)

@@ -13,7 +13,7 @@ inertial body rate; 05 and 06 damp the rate relative to the air, which makes 0.0
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
@@ -25,7 +25,7 @@ from edl6dof.export.nesc import check_case_table
 from edl6dof.scenario.loading import load_scenario
 from edl6dof.scenario.records import build_tables
 from edl6dof.sim.flight import fly
-from edl6dof.verify.case import NotInstalledError, Report, Result
+from edl6dof.verify.case import Bench, NotInstalledError
 
 DATA = Path(edl6dof.__file__).parent / "data" / "nesc"
 #: Cases, and those of them whose every row is compared.
@@ -94,10 +94,8 @@ def differences(own: Columns, other: Columns) -> dict[str, float]:
     return found
 
 
-def run(planted: Sequence[str] = ()) -> Report:
+def nesc(bench: Bench) -> None:
     """Fly every case that has reference data and compare it.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
 
     Raises:
         NotInstalledError: reference data are not part of this installation.
@@ -105,10 +103,8 @@ def run(planted: Sequence[str] = ()) -> Report:
     if not any(DATA.glob("*.csv")):
         raise NotInstalledError("the NESC reference data are not part of this installation")
     source, why = "NASA/TM-2015-218675, simulation 04", "set beforehand; room for the constants of US76"
-    result = partial(Result, verifies="whole plant on Earth", source=source, why=why)
-    results = []
+    compare = partial(bench.compare, verifies="whole plant on Earth", source=source, why=why)
     for number in CASES:
-        found = differences(flown(number, planted), reference(number))
+        found = differences(flown(number, bench.planted), reference(number))
         for _, quantity, limit, unit in TOLERANCES:
-            results.append(result(f"case {number}: {quantity}", found[quantity], limit, unit))
-    return Report(results)
+            compare(f"case {number}: {quantity}", found[quantity], limit, unit)

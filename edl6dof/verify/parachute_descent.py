@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from scipy.optimize import fsolve
@@ -13,23 +14,16 @@ from edl6dof.scenario.schema import Scenario
 from edl6dof.sim.flight import Flight
 from edl6dof.vehicle.plant import CANOPY_POSITION, CANOPY_VELOCITY
 from edl6dof.verify import case
-from edl6dof.verify.case import History, Report, Result, fit, largest, scenes, state_of, to_the_end, vectors
+from edl6dof.verify.case import Bench, fit, given, largest, scenes, state_of, to_the_end, vectors
 
 _GRAVITY = 3.72
 _CENTRE = -1.0
 _SCENE = (
     *(*case.BARE, *case.FLAT, *case.UNIFORM, *case.ONE_BODY, *case.ENDLESS),
-    f"vehicle.mass.entry_centre_m=[{_CENTRE}, 0, 0]",
-    "vehicle.mass.entry_kg=1100",
-    "vehicle.parts.parachute_pack.mass_kg=38",
-    "vehicle.parts.parachute_pack.centre_m=[-1, 0, 0]",
-    "vehicle.parts.parachute_pack.inertia_kg_m2=[0, 0, 0]",
-    "vehicle.parachutes.main.confluence_m=[-3.9, 0, 0]",
-    "vehicle.parachutes.main.trim_angle_deg=0",
-    "vehicle.parachutes.main.pack_drag_area_m2=0",
-    "initial.latitude_deg=0",
-    "initial.longitude_deg=0",
-    "initial.altitude_m=20000",
+    *given("vehicle.mass", entry_kg=1100, entry_centre_m=[_CENTRE, 0, 0]),
+    *given("vehicle.parts.parachute_pack", mass_kg=38, centre_m=[-1, 0, 0], inertia_kg_m2=[0, 0, 0]),
+    *given("vehicle.parachutes.main", confluence_m=[-3.9, 0, 0], trim_angle_deg=0, pack_drag_area_m2=0),
+    *given("initial", latitude_deg=0, longitude_deg=0, altitude_m=20000),
 )
 #: Tilt (rad) at which a swing begins.
 _SWING = 2e-3
@@ -107,16 +101,12 @@ class _Planar:
 
 
 def _descend(
-    state: np.ndarray,
-    seconds: float,
-    planted: Sequence[str] = (),
-    extra: Sequence[str] = (),
-    line_stretch: float = -1e3,
+    bench: Bench, state: np.ndarray, seconds: float, extra: Sequence[str] = (), line_stretch: float = -1e3
 ) -> tuple[np.ndarray, np.ndarray, Flight]:
     """Fly from a planar state with further overrides, ``extra``, and line stretch at a time (s); returns time
     (s), tilt (rad) and the flight.
     """
-    _, loaded = scenes([*_SCENE, *extra, f"simulation.time_limit_s={seconds}"], planted)
+    _, loaded = bench.scenes([*_SCENE, *extra, f"simulation.time_limit_s={seconds}"])
 
     def place(plant: np.void, fsw: np.void) -> None:
         east, down = np.array([0.0, 1.0, 0.0]), np.array([-1.0, 0.0, 0.0])
@@ -139,7 +129,7 @@ def _descend(
     return flight.telemetry["t_s"], np.arctan2(nose[:, 1], -nose[:, 0]), flight
 
 
-def pendulum(planted: Sequence[str] = ()) -> Report:
+def pendulum(bench: Bench) -> None:
     """Verifies: the swing of vehicle and canopy about each other (pendulum) and of the vehicle about its
     bridle (wrist mode).
 
@@ -149,29 +139,24 @@ def pendulum(planted: Sequence[str] = ()) -> Report:
     1e-5 on the way; the differences are good to 1e-8.
 
     Start each mode alone and measure its frequency and damping.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     model = _Planar(scenes(_SCENE)[0])
     values, shapes = model.modes()
     rest = model.equilibrium()
-    about = (
-        *("-", "vehicle, riser and canopy", "eigenvalues of a planar model"),
-        "swings of 2 mrad are linear to 1e-5",
-    )
-    results = []
+    verifies, why = "vehicle, riser and canopy", "swings of 2 mrad are linear to 1e-5"
+    compare = partial(bench.compare, verifies=verifies, source="eigenvalues of a planar model", why=why)
     for name, index in (("pendulum", 0), ("wrist", -1)):
         value = complex(values[index])
         seconds = round(3.0 * 2.0 * np.pi / value.imag)
-        t, tilt, _ = _descend(rest + _SWING * shapes[:, index].real, seconds, planted)
+        t, tilt, _ = _descend(bench, rest + _SWING * shapes[:, index].real, seconds)
         found, _ = fit(t, tilt, value)
         quantity = f"{name} mode (period {2.0 * np.pi / value.imag:.2f} s)"
-        results.append(Result(quantity, abs(found - value) / abs(value), 1e-4, *about))
-    labels = ("Wrist mode under the parachute", "time (s)", "tilt (rad)")
-    return Report(results, History(*labels, t, tilt, _SWING * np.real(np.exp(value * t))))
+        compare(quantity, abs(found - value) / abs(value), 1e-4)
+    expected = _SWING * np.real(np.exp(value * t))
+    bench.plot("Wrist mode under the parachute", "time (s)", "tilt (rad)", t, tilt, expected)
 
 
-def terminal_velocity(planted: Sequence[str] = ()) -> Report:
+def terminal_velocity(bench: Bench) -> None:
     """Verifies: steady descent under the open canopy.
 
     gravity uniform | atmosphere uniform | winds none | vehicle Tianwen-1 without heat shield under the open
@@ -180,35 +165,28 @@ def terminal_velocity(planted: Sequence[str] = ()) -> Report:
     out to 1e-7 after 120 s.
 
     Start 20 % too fast and compare the speed after two minutes.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     model = _Planar(scenes(_SCENE)[0])
     start = model.equilibrium()
     start[[4, 9]] *= 1.2
-    t, _, flight = _descend(start, 120.0, planted)
+    t, _, flight = _descend(bench, start, 120.0)
     speed, expected = flight.telemetry["truth.speed_m_s"], model.terminal_speed()
-    error, curve = abs(float(speed[-1]) / expected - 1.0), np.full_like(t, expected)
     about = ("drag of vehicle and canopy", "weight = drag", "gravity varies by 2e-5 on the way")
-    results = (Result("speed after 120 s", error, 2e-5, "-", *about),)
-    return Report(results, History("Terminal velocity", "time (s)", "speed (m/s)", t, speed, curve))
+    bench.compare("speed after 120 s", abs(float(speed[-1]) / expected - 1.0), 2e-5, "-", *about)
+    bench.plot("Terminal velocity", "time (s)", "speed (m/s)", t, speed, np.full_like(t, expected))
 
 
 #: A vehicle that the canopy cannot slow down, on lines that hardly stretch.  The planet is small, so that
 #: positions resolve 1e-10 m, 5 mN of the riser.
 _INFINITE_MASS = (
-    *case.WEIGHTLESS,
-    "planet.equatorial_radius_m=1e6",
-    "vehicle.mass.entry_kg=1e9",
-    "vehicle.parachutes.main.stiffness_n_m=4e7",
-    "vehicle.parachutes.main.damping_ratio=1",
-    "vehicle.parachutes.main.apparent_mass_factor=0",
+    *(*case.WEIGHTLESS, "planet.equatorial_radius_m=1e6", "vehicle.mass.entry_kg=1e9"),
+    *given("vehicle.parachutes.main", stiffness_n_m=4e7, damping_ratio=1, apparent_mass_factor=0),
     "vehicle.parachutes.main.disk_gap_band.dynamic_load_factor=1",
     "simulation.canopy_step_s=0.0005",
 )
 
 
-def inflation(planted: Sequence[str] = ()) -> Report:
+def inflation(bench: Bench) -> None:
     """Verifies: load of a canopy that fills behind a vehicle of infinite mass.
 
     gravity none | atmosphere uniform | winds none | vehicle of 1e9 kg on a riser of 40 MN/m | source: Cruz et
@@ -218,28 +196,19 @@ def inflation(planted: Sequence[str] = ()) -> Report:
     (3e-5).
 
     Compare the tension of the riser at every time up to the filling time and after the overshoot.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     model, speed = _Planar(scenes([*_SCENE, *_INFINITE_MASS])[0]), 100.0
     chute = model.chute
     start = np.array([0, 0, 0, 0, speed, 0, 0, -(chute.line_length_m - model.attachment), 0, speed])
-    t, _, flight = _descend(start, 1.2, planted, _INFINITE_MASS, line_stretch=0.0)
+    t, _, flight = _descend(bench, start, 1.2, _INFINITE_MASS, line_stretch=0.0)
     filled = chute.diameter_m / chute.disk_gap_band.inflation_speed_m_s
     growth = (t / filled) ** chute.disk_gap_band.inflation_exponent
     steady = 0.5 * model.rho * speed**2 * model.drag_area
     opening, late = t <= filled, t > filled + chute.disk_gap_band.overshoot_decay_s + 0.05
     expected = steady * np.where(opening, chute.disk_gap_band.opening_load_factor * growth, 1.0)
     tension = flight.telemetry["truth.riser_tension_n"]
-    about = (
-        "-",
-        "canopy filling, opening load",
-        "Cruz et al., infinite mass",
-        "stretching riser, packed mass",
-    )
-    results = [
-        Result(name, largest((tension - expected)[rows]) / steady, 2e-4, *about)
-        for name, rows in (("load while it fills", opening), ("load of the open canopy", late))
-    ]
-    labels, known = ("Opening load, infinite mass", "time (s)", "tension (N)"), opening | late
-    return Report(results, History(*labels, t[known], tension[known], expected[known]))
+    about = "canopy filling, opening load", "Cruz et al., infinite mass", "stretching riser, packed mass"
+    for name, rows in (("load while it fills", opening), ("load of the open canopy", late)):
+        bench.compare(name, largest((tension - expected)[rows]) / steady, 2e-4, "-", *about)
+    curves = (one[opening | late] for one in (t, tension, expected))
+    bench.plot("Opening load, infinite mass", "time (s)", "tension (N)", *curves)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -13,9 +12,8 @@ import edl6dof
 from edl6dof.environment.areoid import areoid_height
 from edl6dof.environment.atmosphere import air
 from edl6dof.environment.gravity import gravity_F, read_coefficients
-from edl6dof.scenario import records
 from edl6dof.spatial.frames import from_geodetic
-from edl6dof.verify.case import History, Report, Result, largest, scenes
+from edl6dof.verify.case import Bench, given, largest, records_of
 
 _CSV = Path(edl6dof.__file__).parent / "data" / "atmosphere" / "USStandardAtmosphere1976.csv"
 _EARTH = 6356766.0
@@ -24,7 +22,7 @@ _BASES = (0.0, 11e3, 20e3, 32e3, 47e3, 51e3, 71e3)
 _PRESSURES = (101325.0, 22632.06, 5474.889, 868.0187, 110.9063, 66.93887, 3.956420)
 
 
-def us76_table(planted: Sequence[str] = ()) -> Report:
+def us76_table(bench: Bench) -> None:
     """Verifies: the U.S. Standard Atmosphere 1976.
 
     gravity none | atmosphere us76 | winds none | vehicle none | source: published table (NOAA-S/T 76-1562):
@@ -33,29 +31,24 @@ def us76_table(planted: Sequence[str] = ()) -> Report:
     0.005 K (csv: two decimals), 5e-6 of six-digit densities and seven-digit pressures.
 
     Compare at every row of the table.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    _, loaded = scenes(["atmosphere.model=us76"], planted)
-    tables = records.build_tables(loaded.truth)
-    case = records.build_case(loaded.truth, tables)[0]
+    _, loaded = bench.scenes(["atmosphere.model=us76"])
+    case, tables = records_of(loaded)
 
     def at(height: float) -> tuple[float, float, float, float]:
         geometric = _EARTH * height / (_EARTH - height)
-        return air(case["atmosphere"], case["planet"]["gas"], tables[0]["atmosphere"], geometric)
+        return air(case["atmosphere"], case["planet"]["gas"], tables["atmosphere"], geometric)
 
     rows = np.genfromtxt(_CSV, delimiter=",", skip_header=2)
     rows = rows[(rows[:, 0] >= 0.0) & (rows[:, 0] <= 84500.0)]
     got = np.array([at(float(height)) for height in rows[:, 0]])
     pressed = largest(np.array([at(height)[1] for height in _BASES]) / _PRESSURES - 1.0)
-    result = partial(Result, verifies="US76", source="published table")
-    results = (
-        result("temperature", largest(got[:, 2] - rows[:, 1]), 0.005, "K", why="two decimals printed"),
-        result("density", largest(got[:, 0] / rows[:, 2] - 1.0), 5e-6, why="six digits printed"),
-        result("pressure at layer bases", pressed, 5e-6, why="seven digits printed"),
-    )
-    labels = ("US76", "geopotential altitude (km)", "density (kg/m3)")
-    return Report(results, History(*labels, rows[:, 0] / 1e3, got[:, 0], rows[:, 2]))
+    compare = partial(bench.compare, verifies="US76", source="published table")
+    compare("temperature", largest(got[:, 2] - rows[:, 1]), 0.005, "K", why="two decimals printed")
+    compare("density", largest(got[:, 0] / rows[:, 2] - 1.0), 5e-6, why="six digits printed")
+    compare("pressure at layer bases", pressed, 5e-6, why="seven digits printed")
+    curves = rows[:, 0] / 1e3, got[:, 0], rows[:, 2]
+    bench.plot("US76", "geopotential altitude (km)", "density (kg/m3)", *curves)
 
 
 def potential(p: np.ndarray, degree: int, only_j2: float | None = None) -> float:
@@ -87,7 +80,7 @@ def _gradient(p: np.ndarray, degree: int, only_j2: float | None) -> np.ndarray:
     return out
 
 
-def gravity_field(planted: Sequence[str] = ()) -> Report:
+def gravity_field(bench: Bench) -> None:
     """Verifies: gravity by spherical harmonics (degree 4 and 12) and by J2.
 
     gravity harmonics, J2 | atmosphere none | winds none | vehicle none | source: the potential in spherical
@@ -96,18 +89,14 @@ def gravity_field(planted: Sequence[str] = ()) -> Report:
     centre round to 1e-14 and truncate at (12 x 2 km / 3,400 km)^4 of degree 12's 1e-4 m/s2, 3e-13.
 
     Compare at random points up to 200 km above the surface.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     rng, count = np.random.default_rng(5), 12
     direction = rng.normal(size=(count, 3))
     points = direction / np.linalg.norm(direction, axis=1)[:, None] * rng.uniform(3.38e6, 3.6e6, (count, 1))
     source, why = "finite difference of the potential, scipy", "truncation and rounding of the difference"
-    results = []
     for model, degree in (("harmonics", 4), ("harmonics", 12), ("j2", 2)):
-        field_is = [f"planet.gravity.model={model}", f"planet.gravity.degree={degree}"]
-        nominal, loaded = scenes(field_is, planted)
-        field = records.build_case(loaded.truth, records.build_tables(loaded.truth))[0]["planet"]["gravity"]
+        nominal, loaded = bench.scenes(given("planet.gravity", model=model, degree=degree))
+        field = records_of(loaded)[0]["planet"]["gravity"]
         mu, only = nominal.planet.gravity.mu_m3_s2, nominal.planet.gravity.j2 if model == "j2" else None
         gaps = [
             gravity_F(field, tuple(p)) + mu * p / np.linalg.norm(p) ** 3 - _gradient(p, degree, only)
@@ -115,11 +104,10 @@ def gravity_field(planted: Sequence[str] = ()) -> Report:
         ]
         error = float(max(np.linalg.norm(gap) for gap in gaps))
         name = "J2" if model == "j2" else f"degree {degree}"
-        results.append(Result(name, error, 1e-12, "m/s2", "gravity field", source, why))
-    return Report(results)
+        bench.compare(name, error, 1e-12, "m/s2", "gravity field", source, why)
 
 
-def areoid(planted: Sequence[str] = ()) -> Report:
+def areoid(bench: Bench) -> None:
     """Verifies: the areoid is a surface of one potential of gravity and rotation.
 
     gravity harmonics, degree 12 | atmosphere none | winds none | vehicle none | source: the potential of
@@ -128,10 +116,8 @@ def areoid(planted: Sequence[str] = ()) -> Report:
     by n^2 N (pi/180)^2 / 8, of which the 1 km of degree 2 and 3 has 0.3 m, and the 100 m of degree 12 0.5 m.
 
     Compare the potential, as a height, at random places on the areoid.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, loaded = scenes((), planted)
+    nominal, loaded = bench.scenes(())
     planet, mapped = nominal.planet, loaded.scenario.planet
     radius, mu, *_ = read_coefficients(planet.gravity.coefficients)
 
@@ -148,7 +134,7 @@ def areoid(planted: Sequence[str] = ()) -> Report:
         p = np.array(from_geodetic(*shape, lat, lon, height))
         errors.append((level(p) - reference) * float(p @ p) / mu)
     about = ("areoid map", "scipy's Legendre functions", "bilinear interpolation over 1 deg")
-    return Report([Result("height of one potential", largest(errors), 1.0, "m", *about)])
+    bench.compare("height of one potential", largest(errors), 1.0, "m", *about)
 
 
 #: Place of Viking 1 (deg; m above the areoid), and moments with the daily mean of the pressure (Pa) that it
@@ -162,7 +148,7 @@ _SEASONS = {
 }
 
 
-def seasonal_column(planted: Sequence[str] = ()) -> Report:
+def seasonal_column(bench: Bench) -> None:
     """Verifies: surface pressure by season, and hydrostatic balance of the column above.
 
     gravity harmonics, degree 4 | atmosphere seasonal | winds none | vehicle none | source: daily mean
@@ -173,24 +159,20 @@ def seasonal_column(planted: Sequence[str] = ()) -> Report:
     years; 1e-6 of ln p over 90 km: gravity is interpolated between rows 500 m apart.
 
     Compare the pressure at the ground in three seasons, and between the ground and 90 km.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     lat_deg, lon_deg, ground = _VIKING_1
-    site = dict(latitude_deg=lat_deg, longitude_deg=lon_deg, elevation_m=ground)
     scene = [
         "atmosphere.model=seasonal",
-        "atmosphere.seasonal={surface_pressure_factor: 1.0, temperature_bias_k: 0.0}",
-        *(f"terrain.site_{name}={value}" for name, value in site.items()),
+        *given("atmosphere.seasonal", surface_pressure_factor=1.0, temperature_bias_k=0.0),
+        *given("terrain", site_latitude_deg=lat_deg, site_longitude_deg=lon_deg, site_elevation_m=ground),
     ]
-    results, source = [], "pressure at Viking 1"
+    source, why = "pressure at Viking 1", "printed digits, differences of the years"
     for name, (epoch, measured) in _SEASONS.items():
-        nominal, loaded = scenes([*scene, f"initial.epoch_utc={epoch}"], planted)
-        tables = records.build_tables(loaded.truth)
-        case = records.build_case(loaded.truth, tables)[0]
-        at = partial(air, case["atmosphere"], case["planet"]["gas"], tables[0]["atmosphere"])
-        off, why = abs(at(ground)[1] / measured - 1.0), "printed digits, differences of the years"
-        results.append(Result(f"{name} pressure", off, 0.03, "-", "seasonal pressure", source, why))
+        nominal, loaded = bench.scenes([*scene, f"initial.epoch_utc={epoch}"])
+        case, tables = records_of(loaded)
+        at = partial(air, case["atmosphere"], case["planet"]["gas"], tables["atmosphere"])
+        off = abs(at(ground)[1] / measured - 1.0)
+        bench.compare(f"{name} pressure", off, 0.03, "-", "seasonal pressure", source, why)
     planet, (lat, lon) = nominal.planet, np.radians(_VIKING_1[:2])
     up = np.array([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
     shape = (planet.equatorial_radius_m, planet.flattening)
@@ -211,5 +193,4 @@ def seasonal_column(planted: Sequence[str] = ()) -> Report:
     carried = 0.5 * np.diff(edges) @ (pull / (planet.gas.gas_constant_j_kg_k * cold)) @ shares
     fallen = np.log(at(ground)[1] / at(90e3)[1])
     about = ("hydrostatic column", "weight of the air, quadrature", "gravity between rows of 500 m")
-    results.append(Result("ln p, ground to 90 km", abs(fallen - carried), 1e-6, "-", *about))
-    return Report(results)
+    bench.compare("ln p, ground to 90 km", abs(fallen - carried), 1e-6, "-", *about)

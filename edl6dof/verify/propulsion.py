@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
 from edl6dof.config.units import G0
-from edl6dof.scenario import records
 from edl6dof.scenario.records import initial_sensors
 from edl6dof.sim.checkpoint import State
 from edl6dof.vehicle.motion.integrate import advance
 from edl6dof.vehicle.motion.runge_kutta import evaluate
 from edl6dof.vehicle.plant import OUTPUTS, PROPELLANT, WORKSPACE
 from edl6dof.verify import case
-from edl6dof.verify.case import History, Report, Result, largest, scenes, state_of, to_the_end
+from edl6dof.verify.case import Bench, given, largest, records_of, state_of, to_the_end
 
 #: One rigid body with propellant.
 _FUELLED = (
@@ -28,15 +26,13 @@ ENGINE_ISP = 300.0
 _THROTTLE = (7500.0, 3000.0, 1500.0, 5000.0, 2200.0, 0.0)
 BURN = (
     *(*_FUELLED, *case.ALIGNED),
-    f"vehicle.engines.main.full_specific_impulse_s={ENGINE_ISP}",
+    *given("vehicle.engines.main", full_specific_impulse_s=ENGINE_ISP, nozzle_m=[-0.3, 0, 0]),
     f"vehicle.engines.main.throttled.low_specific_impulse_s={ENGINE_ISP}",
-    "vehicle.engines.main.nozzle_m=[-0.3, 0, 0]",
-    "initial.flight_path_angle_deg=-90",
-    "initial.speed_m_s=1000",
+    *given("initial", flight_path_angle_deg=-90, speed_m_s=1000),
 )
 
 
-def rocket_equation(planted: Sequence[str] = ()) -> Report:
+def rocket_equation(bench: Bench) -> None:
     """Verifies: thrust, propellant flow and mass loss of a throttled burn.
 
     gravity none | atmosphere none | winds none | vehicle one rigid body with propellant and a centred engine
@@ -45,12 +41,10 @@ def rocket_equation(planted: Sequence[str] = ()) -> Report:
     the few steps that hold a corner of its rate limit.
 
     Throttle through six levels and compare speed lost with mass lost at every row.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     state, found = None, []
     for index, level in enumerate(_THROTTLE):
-        _, loaded = scenes([*BURN, f"simulation.time_limit_s={10 * (index + 1)}"], planted)
+        _, loaded = bench.scenes([*BURN, f"simulation.time_limit_s={10 * (index + 1)}"])
         state = state_of(loaded) if state is None else state
         state.plant["running"][0, 0], state.fsw["command"]["thrust"][0, 0] = 1, level
         state.fsw["command"]["engine_mode"] = 2 if index == 0 else 1
@@ -64,11 +58,9 @@ def rocket_equation(planted: Sequence[str] = ()) -> Report:
     error, burnt = largest(v - expected) / (v[0] - v[-1]), float(np.trapezoid(thrust, t) / (ENGINE_ISP * G0))
     corners = ("throttled burn", "rocket equation", "RK4 at 10 ms; corners of the thrust rate")
     sampled = ("propellant flow", "integral of the thrust", "trapezoid over rows 20 ms apart")
-    results = (
-        Result("speed against mass", error, 1e-9, "-", *corners),
-        Result("mass against impulse", abs((m[0] - m[-1]) / burnt - 1.0), 1e-5, "-", *sampled),
-    )
-    return Report(results, History("Throttled burn", "time (s)", "speed (m/s)", t, v, expected))
+    bench.compare("speed against mass", error, 1e-9, "-", *corners)
+    bench.compare("mass against impulse", abs((m[0] - m[-1]) / burnt - 1.0), 1e-5, "-", *sampled)
+    bench.plot("Throttled burn", "time (s)", "speed (m/s)", t, v, expected)
 
 
 _THRUST, _ISP, _RISE, _DECAY = 250.0, 270.0, 0.012, 0.019
@@ -77,11 +69,8 @@ _JET = (
     f"thrust_n: {_THRUST}, specific_impulse_s: {_ISP}, rise_s: {_RISE}, decay_s: {_DECAY}}}"
 )
 _PULSES = (
-    *_FUELLED,
-    f"vehicle.rcs.thrusters=[{_JET}]",
-    "vehicle.rcs.branches=[]",
-    "flight_software.check_out.thrusters=[]",
-    "initial.speed_m_s=0",
+    *(*_FUELLED, "flight_software.check_out.thrusters=[]", "initial.speed_m_s=0"),
+    *given("vehicle.rcs", thrusters=f"[{_JET}]", branches=[]),
 )
 CYCLE, CYCLES = 0.1, 200
 
@@ -93,7 +82,7 @@ def _closed_form(length: np.ndarray) -> np.ndarray:
     return np.where(length >= _RISE, length + 0.5 * (_DECAY - _RISE), short)
 
 
-def impulses(planted: Sequence[str] = ()) -> Report:
+def impulses(bench: Bench) -> None:
     """Verifies: impulse and propellant of random thruster pulse trains over random steps, through the
     integrator.
 
@@ -104,14 +93,10 @@ def impulses(planted: Sequence[str] = ()) -> Report:
     expected value; the speed after each pulse is within 1.2e-11 m/s, 1e-11 of the final speed of 1.2 m/s.
 
     Fire 200 pulses of 1 to 60 ms in steps of random length and compare propellant and speed.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
-    nominal, loaded = scenes(_PULSES, planted)
-    tables = records.build_tables(loaded.truth)
-    case, start = records.build_case(loaded.truth, tables), state_of(loaded)
-    plant, rng = start.plant, np.random.default_rng(11)
-    flown = (case[0], tables[0], plant[0], np.zeros(1, OUTPUTS)[0], np.zeros(1, WORKSPACE)[0])
+    nominal, loaded = bench.scenes(_PULSES)
+    plant, rng = state_of(loaded).plant, np.random.default_rng(11)
+    flown = (*records_of(loaded), plant[0], np.zeros(1, OUTPUTS)[0], np.zeros(1, WORKSPACE)[0])
     evaluate(*flown)
     lengths = rng.uniform(0.001, 0.06, CYCLES)
     delivered, speed, v0 = [], [], plant["y"][0, 3:6].copy()
@@ -125,11 +110,8 @@ def impulses(planted: Sequence[str] = ()) -> Report:
     used = _THRUST * np.cumsum(_closed_form(lengths)) / (_ISP * G0)
     mass = nominal.vehicle.mass.entry_kg
     expected = _ISP * G0 * np.log(mass / (mass - used))
-    result = partial(Result, verifies="pulse impulse", why="rounding of 2,000 steps")
+    compare = partial(bench.compare, verifies="pulse impulse", why="rounding of 2,000 steps")
     off_mass, off_speed = largest(np.array(delivered) / used - 1.0), largest(speed - expected) / expected[-1]
-    results = (
-        result("propellant", off_mass, 1e-10, source="trapezium for each pulse"),
-        result("speed", off_speed, 1e-11, source="trapezium and rocket equation"),
-    )
-    curves = History("Pulse train", "pulse", "speed (m/s)", np.arange(CYCLES), np.array(speed), expected)
-    return Report(results, curves)
+    compare("propellant", off_mass, 1e-10, source="trapezium for each pulse")
+    compare("speed", off_speed, 1e-11, source="trapezium and rocket equation")
+    bench.plot("Pulse train", "pulse", "speed (m/s)", np.arange(CYCLES), np.array(speed), expected)

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from edl6dof.spatial import frames as conversions
 from edl6dof.spatial import quaternion
-from edl6dof.verify.case import Report, Result, largest
+from edl6dof.verify.case import Bench, largest
 
 #: Random attitudes, and random places.
 _TRIES = 300
@@ -50,7 +50,7 @@ def _tuple(v: np.ndarray) -> tuple[float, ...]:
     return tuple(float(c) for c in v)
 
 
-def rotations() -> Report:
+def rotations(bench: Bench) -> None:
     """Verifies: quaternion algebra.
 
     gravity none | atmosphere none | winds none | vehicle none | source: pyquaternion (product, turning,
@@ -87,12 +87,12 @@ def rotations() -> Report:
         step = float(np.linalg.norm(v)) * h
         late, early = ((other * Quaternion(axis=axis, radians=a)).elements for a in (step, -step))
         worst.gap("rate", quaternion.rate(q, v), (late - early) / (2.0 * h))
-    about = ("-", "quaternion algebra", "pyquaternion, scipy")
-    limits = {name: _LOOSE.get(name, (1e-14, "a few roundings")) for name in worst}
-    return Report([Result(name, worst[name], limit, *about, why) for name, (limit, why) in limits.items()])
+    for name, error in worst.items():
+        limit, why = _LOOSE.get(name, (1e-14, "a few roundings"))
+        bench.compare(name, error, limit, "-", "quaternion algebra", "pyquaternion, scipy", why)
 
 
-def frames() -> Report:
+def frames(bench: Bench) -> None:
     """Verifies: every conversion between frames.
 
     gravity none | atmosphere none | winds none | vehicle none | source: scipy Rotation (sequences of
@@ -123,9 +123,8 @@ def frames() -> Report:
     about = ("frame conversions", "scipy Rotation, geometry")
     far = (2e-8, "m", *about, "resolution of numbers near 1e7 m")
     near = (1e-13, "-", *about, "a few roundings")
-    return Report(
-        [Result(name, error, *(far if name in _LENGTHS else near)) for name, error in worst.items()]
-    )
+    for name, error in worst.items():
+        bench.compare(name, error, *(far if name in _LENGTHS else near))
 
 
 def _place(worst: _Worst, lat: float, lon: float, height: float, v: np.ndarray, to_ned: Rotation) -> None:

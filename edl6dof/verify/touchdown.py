@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from edl6dof.verify import case
-from edl6dof.verify.case import History, Report, Result, largest, scenes, state_of, to_the_end
+from edl6dof.verify.case import Bench, given, largest, scenes, state_of, to_the_end
 
 _GRAVITY, _CENTRE, _RADIUS, _DROP = 3.72, -0.85, 1e7, 0.005
 _SCENE = (
     *(*case.BARE, *case.VACUUM, *case.ONE_BODY, case.NO_RATE, *case.ALIGNED),
-    f"planet.equatorial_radius_m={_RADIUS}",
-    f"planet.mean_radius_m={_RADIUS}",
-    "planet.gravity.model=central",
-    f"planet.gravity.mu_m3_s2={_GRAVITY * _RADIUS**2}",
-    "terrain.model=plane",
-    "terrain.site_elevation_m=0",
+    *given("planet", equatorial_radius_m=_RADIUS, mean_radius_m=_RADIUS),
+    *given("planet.gravity", model="central", mu_m3_s2=_GRAVITY * _RADIUS**2),
+    *given("terrain", model="plane", site_elevation_m=0),
     f"vehicle.mass.entry_centre_m=[{_CENTRE}, 0, 0]",
     "vehicle.landing_gear.damping_n_s_m=800",
-    "initial.flight_path_angle_deg=-90",
-    "initial.speed_m_s=0.2",
-    "simulation.contact_step_s=0.0005",
-    "simulation.time_limit_s=1",
+    *given("initial", flight_path_angle_deg=-90, speed_m_s=0.2),
+    *given("simulation", contact_step_s=0.0005, time_limit_s=1),
 )
 
 
-def contact(planted: Sequence[str] = ()) -> Report:
+def contact(bench: Bench) -> None:
     """Verifies: first contact, and spring and damper of the legs.
 
     gravity uniform | atmosphere none | winds none | vehicle upright on four legs, which stay on the ground |
@@ -37,13 +30,11 @@ def contact(planted: Sequence[str] = ()) -> Report:
     first contact is located to 1e-9 s.
 
     Drop the lander from 5 mm at 0.2 m/s and compare the height for a second.
-
-    ``planted``: see :func:`edl6dof.verify.case.scenes`.
     """
     nominal = scenes(_SCENE)[0]
     gear, mass, v0 = nominal.vehicle.landing_gear, nominal.vehicle.mass.entry_kg, nominal.initial.speed
     reach = max(pad[0] for pad in gear.footpads_m) - _CENTRE
-    _, loaded = scenes([*_SCENE, f"initial.altitude_m={reach + _DROP!r}"], planted)
+    _, loaded = bench.scenes([*_SCENE, f"initial.altitude_m={reach + _DROP!r}"])
 
     def unfold(plant: np.void, fsw: np.void) -> None:
         plant["legs"] = 1
@@ -60,6 +51,5 @@ def contact(planted: Sequence[str] = ()) -> Report:
     fall = v0 * t + 0.5 * _GRAVITY * t**2 - _DROP
     expected = np.where(since < 0.0, fall, swing)
     about = ("m", "landing gear, first contact", "damped oscillator", "resolution of positions")
-    results = [Result("height", largest(depth - expected), 1e-7, *about)]
-    labels = ("Lander on its legs", "time (s)", "depth below first contact (m)")
-    return Report(results, History(*labels, t, depth, expected))
+    bench.compare("height", largest(depth - expected), 1e-7, *about)
+    bench.plot("Lander on its legs", "time (s)", "depth below first contact (m)", t, depth, expected)

@@ -190,8 +190,8 @@ def test_an_error_of_second_order_is_caught(monkeypatch):
     most third order, and would recompile the simulator.
     """
     state = free_motion.end_state
-    monkeypatch.setattr(free_motion, "end_state", lambda h, planted: state(h, planted) * (1.0 + 1e-6 * h**2))
-    assert not free_motion.rk4_order().passed
+    monkeypatch.setattr(free_motion, "end_state", lambda h, bench: state(h, bench) * (1.0 + 1e-6 * h**2))
+    assert not CASES["rk4_order"]().passed
 
 
 def test_every_case_has_a_planted_error():

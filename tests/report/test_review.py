@@ -81,7 +81,7 @@ def test_borders_of_the_corridor_hold_the_limits_they_stand_for(run):
     """Put the drag of each border back into density: there the limited quantity must be the limit."""
     entry = trajectory.entry_state(run)
     limit = run.scenario["limits"]
-    borders = {border.name.partition(" ")[0]: border.drag for border in trajectory.borders(run, entry)}
+    borders = {border.name.partition(" ")[0]: border.y for border in trajectory.borders(run, entry)}
     pressure = borders["dynamic"] / entry.drag_per_pressure
     assert pressure == pytest.approx(limit["entry_dynamic_pressure_pa"])
     density = 2.0 * borders["heat"] / entry.drag_per_pressure / entry.speed**2
@@ -224,7 +224,7 @@ def test_planned_ellipse_is_drawn_to_scale_where_the_scenario_has_one(run, figur
     terrain = {**run.scenario["terrain"], "ellipse_length_m": 0.0}
     plain = Run(run.folder)
     plain.scenario = {**run.scenario, "terrain": terrain}
-    without = landing.landing_site(plain)
+    (without,) = landing.landing_site(plain)
     assert [panel.title for panel in without.panels] == ["from the parachute on", "powered descent"]
     assert "allowed distance" in [trace.name for trace in without.panels[0].traces]
 

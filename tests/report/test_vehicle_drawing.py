@@ -13,7 +13,7 @@ from edl6dof.config.document.source import parse_document
 from edl6dof.design.thruster_authority import configurations
 from edl6dof.report.document import Table, Text
 from edl6dof.report.figure import Axis, Figure, Panel, Trace
-from edl6dof.report.flight.vehicle import vehicle_section
+from edl6dof.report.flight.flight_report import vehicle_section
 from edl6dof.report.label_layout import sides
 from edl6dof.report.matplotlib_figure import matplotlib_figure
 from edl6dof.report.page import plotly_figure

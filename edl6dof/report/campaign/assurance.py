@@ -73,6 +73,8 @@ exceed the stated one."""
 _MORE = """\
 For the undecided: {}. A campaign that is repeated with more flights until it verifies has a larger consumer \
 risk: choose the number of flights before the decision."""
+#: Columns of the credibility sheet.
+_SHEET = ("factor", "evidence", "command")
 _ABSENT = "not assessed by this program"
 #: Factors of credibility of NASA-STD-7009, with the evidence of the program and the command that shows it.
 _FACTORS = (
@@ -129,25 +131,19 @@ class Assurance:
     @property
     def data(self) -> dict[str, Any]:
         """Everything, ready for JSON."""
+        requirements = []
+        for one, apart in zip(self.verdicts, self.separations, strict=True):
+            own = {"requirement": one.requirement.model_dump(), "worst": self.worst(one)}
+            requirements.append({**vars(one), **own, "constants_at_worst": apart and vars(apart)})
         return {
             "campaign": self.results.name,
             "requirements_from": self.source,
             "flights": self.results.success.trials,
             "within_all_limits": self.results.success.successes,
-            "requirements": [
-                {
-                    **vars(one),
-                    "requirement": one.requirement.model_dump(),
-                    "worst": self.worst(one),
-                    "constants_at_worst": apart and vars(apart),
-                }
-                for one, apart in zip(self.verdicts, self.separations, strict=True)
-            ],
+            "requirements": requirements,
             "next": self.next_command,
             "notes": list(_notes(self)),
-            "credibility": [
-                dict(zip(("factor", "evidence", "command"), row, strict=True)) for row in _factors(self)
-            ],
+            "credibility": [dict(zip(_SHEET, row, strict=True)) for row in _factors(self)],
         }
 
     def worst(self, one: Verdict) -> list[dict[str, Any]]:
@@ -197,26 +193,23 @@ def assurance_report(found: Assurance) -> Report:
     success, identity = found.results.success, found.results.store.info.identity
     failures = success.trials - success.successes
     low, _ = judging.share_bounds(failures, success.trials, CONFIDENCE)
-    facts = [
-        Fact("flights", f"{success.trials:,}"),
-        Fact("within all limits", f"{success.successes:,}"),
-        Fact(f"demonstrated with {percent(CONFIDENCE)} confidence", _rounded_down(low, SHARE)),
-    ]
+    sheet = Table(_SHEET, list(_factors(found)))
     return Report(
         title=f"{found.results.name}: assurance",
         headline=found.headline,
         mood=max((_MOODS[one.verdict] for one in found.verdicts), key=("good", "warn", "bad").index),
         subtitle=f"requirements: {found.source}",
-        facts=facts,
+        facts=[
+            Fact("flights", f"{success.trials:,}"),
+            Fact("within all limits", f"{success.successes:,}"),
+            Fact(f"demonstrated with {percent(CONFIDENCE)} confidence", _rounded_down(low, SHARE)),
+        ],
         sections=[
             Section("requirements", "Requirements", [_requirements(found)]),
             Section("constants", "Random and constant uncertainties", list(_separated(found))),
             Section("worst", "Worst cases", [_worst_cases(found)]),
             Section("meaning", "Meaning and conditions", list(map(Text, _notes(found)))),
-            Section(
-                *("credibility", "Credibility (factors of NASA-STD-7009)"),
-                [Table(["factor", "evidence", "command"], list(_factors(found)))],
-            ),
+            Section("credibility", "Credibility (factors of NASA-STD-7009)", [sheet]),
         ],
         footer=f"edl6dof {identity.versions['edl6dof']}; source SHA-256 {identity.sources}",
     )
@@ -227,14 +220,12 @@ def _requirements(found: Assurance) -> Table:
     for one in found.verdicts:
         asked, words = one.requirement, one.verdict
         limit = f"{'<=' if asked.sign > 0.0 else '>='} {significant(asked.limit)}"
-        cells = (
-            f"{limit} {printed(figure_of_merit(asked.figure).unit.label)}".strip(),
-            "-" if one.bound is None else significant(one.bound),
-            f"{one.failures:,}",
-            f"{percent(asked.share)} at {percent(asked.confidence)}",
-            _rounded_down(one.demonstrated, asked.share),
-        )
+        limit = f"{limit} {printed(figure_of_merit(asked.figure).unit.label)}".strip()
+        bound = "-" if one.bound is None else significant(one.bound)
+        required = f"{percent(asked.share)} at {percent(asked.confidence)}"
+        shown = _rounded_down(one.demonstrated, asked.share)
         verdict = f"{words}: needs {one.needed:,}" if words == "undecided" else words
+        cells = (limit, bound, f"{one.failures:,}", required, shown)
         rows.append([asked.label, *cells, Cell(verdict, _MOODS[words])])
     heads = ("requirement", "limit>", "bound>", "failures>", "required>", "demonstrated>", "verdict")
     return Table(heads, rows)
@@ -293,7 +284,6 @@ def _notes(found: Assurance) -> Iterator[str]:
 
 
 def _factors(found: Assurance) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of the credibility sheet."""
     marks = Counter(parse_document(found.results.store.plan_text, "campaign.yaml").status.values())
     pedigree = ", ".join(f"{number:,} {status}" for status, number in marks.most_common())
     for row in _FACTORS:

@@ -66,21 +66,18 @@ def _mood(results: Results) -> Mood:
 
 
 def _facts(results: Results) -> list[Fact]:
-    facts = [
-        Fact("flights", f"{len(results.cases):,}"),
-        Fact("success", in_percent(results.success.value, 2), _mood(results)),
-    ]
+    share, mood = in_percent(results.success.value, 2), _mood(results)
+    facts = [Fact("flights", f"{len(results.cases):,}"), Fact("success", share, mood)]
     if not results.is_sample:
         return facts
     low, high = results.success.interval
     facts.append(Fact("95 % interval", f"{100.0 * low:.2f} .. {in_percent(high, 2)}"))
     if results.has("landing_distance_m"):
         distance = results["landing_distance_m"] / 1e3
-        facts += [
-            Fact(f"{percent(share)} land within", f"{margins.in_words(results, distance, share)} km")
-            for share in margins.shown_shares(results)[-1:]
-            if quantile(distance, share)
-        ]
+        for most in margins.shown_shares(results)[-1:]:
+            if quantile(distance, most):
+                within = margins.in_words(results, distance, most)
+                facts.append(Fact(f"{percent(most)} land within", f"{within} km"))
     return facts
 
 
@@ -107,11 +104,10 @@ def _maps(results: Results, axes: Sequence[str], columns: Mapping[str, np.ndarra
         mean = np.array([[_mean(values[(x == a) & (y == b)]) for a in across] for b in up])
         finite = mean[np.isfinite(mean)]
         success = label.startswith("success")
-        if not success and (not len(finite) or np.ptp(finite) == 0.0):
-            continue  # the same at every point: no map
-        low, high = (0.0, 100.0) if success else (float(finite.min()), float(finite.max()))
-        heat = Heat(across, up, mean, label, low, high)
-        yield Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat)
+        if success or len(finite) and np.ptp(finite) > 0.0:  # else the same at every point
+            low, high = (0.0, 100.0) if success else (float(finite.min()), float(finite.max()))
+            heat = Heat(across, up, mean, label, low, high)
+            yield Panel(Axis(_short(axes[0])), Axis(_short(axes[1])), heat=heat)
 
 
 def _curves(results: Results, axis: str, columns: Mapping[str, np.ndarray]) -> Iterator[Panel]:

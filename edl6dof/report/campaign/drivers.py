@@ -64,12 +64,11 @@ def indices(results: Results) -> Iterator[Block]:
         matrices = results.swapped(name)
         a, b = matrices.pop(A), matrices.pop(B)
         found = sobol_indices(a, b, matrices)[:_SHOWN]
-        if not all(high - low <= _WIDEST for _, low, high in (index.total for index in found)):
+        if any(high - low > _WIDEST for _, low, high in (index.total for index in found)):
             found = []
         words = "" if found else f": not significant with {len(a):,} rows"
         rows.append([figure_of_merit(name).meaning + words, *[""] * 4])
-        for index in found:
-            rows.append([_INDENT + index.name, *_shares(index.first), *_shares(index.total)])
+        rows += [[_INDENT + one.name, *_shares(one.first), *_shares(one.total)] for one in found]
     yield Text(
         "Sobol indices: the share of a figure's variance that goes when an input is known (alone), and that "
         f"stays when all others are known (in all), with 95 % intervals; the {_SHOWN} largest of each figure."
@@ -111,16 +110,12 @@ def chart(explained: Explained) -> Figure:
     ranked = list(dict.fromkeys(driver.name for driver in every))
     colours = dict(zip(ranked, SERIES, strict=False))
     bands = [band for row, (_, own) in enumerate(reversed(explained)) for band in _bar(own, row, colours)]
-    legend = [(name.removeprefix("vehicle."), colour) for name, colour in colours.items()]
-    if len(ranked) > len(colours):
-        legend.append(("others", GREY))
-    traces = [legend_entry(name, colour, 1.6) for name, colour in legend]
-    panel = Panel(
-        Axis("share of the variance (%)", range=(0.0, 100.0)),
-        Axis("", names=[fill(figure.meaning, _LETTERS) for figure, _ in reversed(explained)]),
-        traces,
-        bands=bands,
-    )
+    legend = {name.removeprefix("vehicle."): colour for name, colour in colours.items()}
+    legend |= {"others": GREY} if len(ranked) > len(colours) else {}
+    traces = [legend_entry(name, colour, 1.6) for name, colour in legend.items()]
+    names = [fill(figure.meaning, _LETTERS) for figure, _ in reversed(explained)]
+    x = Axis("share of the variance (%)", range=(0.0, 100.0))
+    panel = Panel(x, Axis("", names=names), traces, bands)
     caption = "What no colour covers is not significant. Figures without a driver are left out."
     height = 40 + 24 * len(legend) + 34 * len(explained)
     return Figure("drivers", "What drives what", [panel], caption, height=height)

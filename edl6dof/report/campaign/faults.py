@@ -38,18 +38,13 @@ _WHERE = ("component", "kind", "size", "moment", "regime")
 
 
 def headline(results: Results) -> tuple[str, Mood]:
-    """Return a sentence with the numbers of flights within limits and of faults named correctly, and whether
-    it is good news.
-    """
+    """Return the numbers of flights within limits and of faults named rightly in words, and their mood."""
     figures = fault_figures(results.table.to_pylist())
     every, met = figures["all"], [one["met"] for one in figures["acceptance"]]
-    words = (
-        f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits; "
-        f"{every['kind_right']:,} of {counted(every['can_be_known'], 'fault')} that can be known "
-        "rightly named"
-    )
+    kept = f"{every['within_limits']:,} of {counted(every['flights'], 'flight')} within limits"
+    named = f"{every['kind_right']:,} of {counted(every['can_be_known'], 'fault')} that can be known"
     good = all(met) and (bool(met) or every["within_limits"] == every["flights"])
-    return words, "good" if good else "warn"
+    return f"{kept}; {named} rightly named", "good" if good else "warn"
 
 
 def blocks(results: Results) -> Iterator[Block]:
@@ -87,8 +82,10 @@ def became(row: Row) -> int:
 
 
 def _required(acceptance: Sequence[dict[str, Any]]) -> Table:
-    flown = (Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad") for one in acceptance)
-    rows = [(one["meaning"], cell, one["limit"]) for one, cell in zip(acceptance, flown, strict=True)]
+    rows = []
+    for one in acceptance:
+        flown = Cell(f"{one['value']:.2f} {one['unit']}", "good" if one["met"] else "bad")
+        rows.append((one["meaning"], flown, one["limit"]))
     return Table(("", "flown>", "required>"), rows, "What is required")
 
 
@@ -101,10 +98,8 @@ def _groups(groups: Sequence[dict[str, Any]]) -> Table:
         flights = str(group["flights"]), _share(group["within_limits"], group["flights"])
         named = (_share(group[part], known) for part in ("name_right", "kind_right"))
         longest = (f"{times[name]:.2f}" if times else "" for name in ("median", "p95", "worst"))
-        wrong = str(group["with_wrong_isolations"])
-        rows.append(
-            (group["kind"].replace("_", " "), group["regime"], *flights, str(known), *named, wrong, *longest)
-        )
+        head, wrong = (group["kind"].replace("_", " "), group["regime"]), str(group["with_wrong_isolations"])
+        rows.append((*head, *flights, str(known), *named, wrong, *longest))
     return Table(columns, rows, "Each kind of fault")
 
 
@@ -151,9 +146,7 @@ def _figure(
     down: Sequence[str],
     along: str,
 ) -> Figure:
-    """Draw two maps: outcome of each fault, and time (s) to its right isolation; ``places``: row and column
-    of the cell of each flight.
-    """
+    """Map outcome and time (s) to the right isolation of faults; ``places``: row and column of each."""
     shape = len(down), len(across)
     cells: dict[tuple[int, int], list[Row]] = {}
     for (i, j), row in zip(places, rows, strict=True):
@@ -178,10 +171,8 @@ def _figure(
         Panel(*axes, [*legend, *crosses], heat=kinds, title="Result of fault isolation"),
         Panel(*axes, crosses, heat=taken, title="Time from first use to the right isolation (s)"),
     ]
-    caption = (
-        f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and the "
-        "median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
-    )
+    caption = f"{counted(len(rows), 'flight')}.  A cell with several flights shows the worst of them, and"
+    caption += " the median of the times.  Point at a cell for its cases; edl6dof refly flies one again."
     height = 90 + _ROW_PX * len(down)
     return Figure(key, title.replace("_", " "), panels, caption, share_x=True, height=height)
 

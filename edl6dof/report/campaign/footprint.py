@@ -65,7 +65,6 @@ def ellipse_figure(title: str, found: Covariance, sampled: np.ndarray | None) ->
 
 
 def _ellipses(outline: Callable[[int], Sequence[np.ndarray]]) -> Iterator[Trace]:
-    """Ellipses of one to three standard deviations."""
     dashes: tuple[Dash, ...] = ("solid", "dash", "dot")
     for sigmas, dash in enumerate(dashes, 1):
         x, y = outline(sigmas)
@@ -110,13 +109,11 @@ def ellipse_table(results: Results) -> Table:
         ("centre east, north", f"{east[down].mean() / 1e3:+.2f}, {north[down].mean() / 1e3:+.2f}", "km"),
         ("half axes of the 3 sigma ellipse", f"{3 * major:.2f} x {3 * minor:.2f}", "km"),
         ("direction of the long axis", f"{heading:.0f}", "deg from north through east"),
-        *(
-            (f"distance from the target: {percent(share)}", in_words(results, distance, share), "km")
-            for share in shown_shares(results)
-            if 0.5 <= share < 1.0
-        ),
-        ("distance from the target: largest", f"{distance.max():.2f}", "km"),
     ]
+    away = "distance from the target"
+    for share in (share for share in shown_shares(results) if 0.5 <= share < 1.0):
+        rows.append((f"{away}: {percent(share)}", in_words(results, distance, share), "km"))
+    rows.append((f"{away}: largest", f"{distance.max():.2f}", "km"))
     return Table(["", "value>", "unit"], rows)
 
 

@@ -10,18 +10,7 @@ import numpy as np
 from edl6dof.campaign.statistics import SHARES, Proportion, bounded_shares, flights_needed, percent, quantile
 from edl6dof.metrics.figures import FigureOfMerit, figure_of_merit
 from edl6dof.report.campaign.campaign_results import Results
-from edl6dof.report.document import (
-    Block,
-    Cell,
-    Mood,
-    Row,
-    Table,
-    Text,
-    aligned,
-    in_percent,
-    printed,
-    significant,
-)
+from edl6dof.report.document import Block, Cell, Row, Table, Text, aligned, in_percent, printed, significant
 from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.palette import BLUE, GREEN
 
@@ -51,9 +40,8 @@ def limits(results: Results) -> Iterator[Block]:
         values = results[figure.name]
         missed = int(np.sum(figure.violates(values, limit)))
         worst = _bound(results, figure, values, shares)
-        mood: Mood = "bad" if missed else "good"
         share = None if worst is None else figure.used(worst, limit)
-        used = "-" if share is None else Cell(in_percent(share), mood, share)
+        used = "-" if share is None else Cell(in_percent(share), "bad" if missed else "good", share)
         cells = [in_words(results, values, figure.toward_limit(share)) for share in shares]
         label, unit = figure.meaning, printed(figure.unit.label)
         rows.append([label, unit, *cells, allowed(figure, limit), used, str(missed)])
@@ -71,9 +59,7 @@ def allowed(figure: FigureOfMerit, limit: float) -> str:
 def _bound(
     results: Results, figure: FigureOfMerit, values: np.ndarray, shares: Sequence[float]
 ) -> float | None:
-    """Bound toward the limit of the outermost quantile with bounds; the worst value if the flights are no
-    sample.
-    """
+    """Bound toward the limit of the outermost quantile that has one; without a sample the worst value."""
     if not results.is_sample:
         worst = np.nanmin if figure.clearance else np.nanmax
         return float(worst(values)) if np.isfinite(values).any() else None
@@ -86,8 +72,7 @@ def other_figures(results: Results) -> Iterator[Block]:
     limited = {figure.name for figure, _ in results.limits}
     table = _quantiles(results, "figure", (name for name in _OTHERS if name not in limited))
     if table.rows:
-        yield Text(note(results))
-        yield table
+        yield from (Text(note(results)), table)
 
 
 def _quantiles(results: Results, heading: str, names: Iterable[str]) -> Table:
@@ -154,9 +139,7 @@ def head(share: float) -> str:
 
 
 def in_words(results: Results, values: np.ndarray, share: float) -> str:
-    """Return a quantile as text: with its bounds, or the number of flights needed for bounds; without bounds
-    if the flights are no sample.
-    """
+    """Return a quantile as text, with its bounds if the flights are a sample, or the flights it needs."""
     if not results.is_sample:
         finite = values[np.isfinite(values)]
         return significant(float(np.quantile(finite, share))) if len(finite) else "-"
@@ -173,13 +156,13 @@ def note(results: Results) -> str:
         return "As flown: a grid of flights is no random sample, and its quantiles have no bounds."
     flights = len(results.cases)
     too_far = [share for share in SHARES if share >= 0.5 and flights_needed(share) > flights]
-    needs = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in too_far)
-    refused = f" Quantiles further out need more than {flights:,} flights: {needs}." if too_far else ""
-    least = any(figure.clearance for figure, _ in results.limits)
-    exceeded = (
-        " Where a limit is a least value, its share of the flights exceeds the quantile." if least else ""
-    )
-    return f"Quantiles with their 95 % bounds, by order statistics.{exceeded}{refused}"
+    words = "Quantiles with their 95 % bounds, by order statistics."
+    if any(figure.clearance for figure, _ in results.limits):
+        words += " Where a limit is a least value, its share of the flights exceeds the quantile."
+    if too_far:
+        needs = ", ".join(f"{percent(share)} needs {flights_needed(share):,}" for share in too_far)
+        words += f" Quantiles further out need more than {flights:,} flights: {needs}."
+    return words
 
 
 def causes(results: Results) -> Block:
@@ -190,11 +173,11 @@ def causes(results: Results) -> Block:
         low = in_percent(results.success.interval[0], 2)
         return Text(f"No flight failed. With 95 % confidence the success probability is above {low}.")
     rows: list[Row] = []
+    texts = np.array(results.table["cause"].to_pylist(), object)
     for cause, number in results.causes:
-        share = Proportion(number, len(results.cases))
-        first = results.cases[[text == cause for text in results.table["cause"].to_pylist()]][:3]
-        refly = ", ".join(str(case) for case in first)
-        rows.append([cause, str(number), Cell(in_percent(share.value, 2), "bad", share.value), refly])
+        share = number / len(results.cases)
+        refly = ", ".join(map(str, results.cases[texts == cause][:3]))
+        rows.append([cause, str(number), Cell(in_percent(share, 2), "bad", share), refly])
     return Table(["cause", "flights>", "share", "cases"], rows)
 
 
@@ -207,14 +190,11 @@ def convergence(results: Results) -> Iterator[Figure]:
     number = np.arange(1, len(successes) + 1)
     shown = np.unique(np.geomspace(1, len(number), 200).astype(int)) - 1
     found = [Proportion(int(successes[k]), int(number[k])) for k in shown]
-    low, high = (np.array([100.0 * share.interval[end] for share in found]) for end in (0, 1))
-    value = np.array([100.0 * share.value for share in found])
-    x = number[shown].astype(float)
+    low, high = 100.0 * np.array([share.interval for share in found]).T
+    x, value = number[shown].astype(float), 100.0 * np.array([share.value for share in found])
     around = np.append(x, x[::-1]), np.append(low, high[::-1])
-    traces = [
-        Trace(*around, "95 % interval (Wilson)", "region", BLUE),
-        Trace(x, value, "success so far", colour=BLUE, width=2.2),
-    ]
+    interval = Trace(*around, "95 % interval (Wilson)", "region", BLUE)
+    traces = [interval, Trace(x, value, "success so far", colour=BLUE, width=2.2)]
     flights = Axis("flights", range=(1.0, max(float(x[-1]), 2.0)), log=True)
     panel = Panel(flights, Axis("success (%)", range=(float(low.min()) - 4.0, 104.0)), traces)
     caption = "It has converged when the interval is narrow enough for the question."
@@ -231,14 +211,13 @@ def propellant(results: Results) -> Iterator[Block]:
     if not len(left) or np.ptp(left) == 0.0:
         return
     counts, edges = np.histogram(left, bins=min(40, max(8, len(left) // 12)))
-    shares = shown_shares(results)[:1]
     bars = Trace((edges[1:] + edges[:-1]) / 2.0, counts.astype(float), "flights", "bars", GREEN)
-    marks = [Mark("x", float(np.quantile(left, share)), head(share)) for share in shares]
+    caption, marks = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg", list[Mark]()
+    for share in shown_shares(results)[:1]:
+        marks.append(Mark("x", float(np.quantile(left, share)), head(share)))
+        caption += f", {head(share)} quantile {in_words(results, left, share)} kg" if share > 0.0 else ""
     panel = Panel(Axis("propellant left (kg)"), Axis("flights"), [bars], marks=marks)
-    shown = "".join(
-        f", {head(share)} quantile {in_words(results, left, share)} kg" for share in shares if share > 0.0
-    )
-    caption = f"Of {loaded:g} kg loaded; least {left.min():.1f} kg{shown}."
+    caption += "."
     yield Figure("propellant", "Propellant margin", [panel], caption)
 
 

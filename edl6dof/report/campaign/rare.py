@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from edl6dof.campaign.rare import RareFailure
 from edl6dof.campaign.statistics import percent
-from edl6dof.campaign.subset import Level
 from edl6dof.config.wording import counted
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.document import Block, Fact, Report, Row, Section, Table, Text, printed, significant
@@ -28,45 +27,38 @@ def rare_report(found: RareFailure) -> Report:
     unit = printed(figure_of_merit(asked.figure).unit.label)
     violated = f"{asked.figure} {'>' if asked.sign > 0.0 else '<'} {significant(asked.limit)} {unit}".strip()
     headline = f"{found.request.plan.name}: probability of {violated}: {one.probability:.2g}"
-    interval = "none: no failure was found"
-    if one.low is not None and one.high is not None:
-        interval = f"{one.low:.2g} .. {one.high:.2g}"
-    facts = [
-        Fact(f"{percent(asked.confidence)} interval", interval),
-        Fact("flights", f"{found.flights:,}"),
-        Fact("populations", f"{len(found.populations)} of {found.request.size}"),
-    ]
-    sections = [
-        Section("levels", "Levels", [*_levels(found, unit)]),
-        Section("region", "Region of the failures, in standard deviations of each input", [*_region(found)]),
-        Section("worst", "Worst failures", [_worst(found)]),
-        Section("meaning", "Meaning and conditions", list(map(Text, _notes(found)))),
-    ]
+    known = one.low is not None and one.high is not None
+    inputs = "Region of the failures, in standard deviations of each input"
+    interval = f"{one.low:.2g} .. {one.high:.2g}" if known else "none: no failure was found"
     return Report(
         title=f"{found.request.plan.name}: {asked.label}",
         headline=headline,
-        mood="plain" if one.low is not None else "warn",
+        mood="plain" if known else "warn",
         subtitle=f"requirement {asked.label}",
-        facts=facts,
-        sections=sections,
+        facts=[
+            Fact(f"{percent(asked.confidence)} interval", interval),
+            Fact("flights", f"{found.flights:,}"),
+            Fact("populations", f"{len(found.populations)} of {found.request.size}"),
+        ],
+        sections=[
+            Section("levels", "Levels", [*_levels(found, unit)]),
+            Section("region", inputs, [*_region(found)]),
+            Section("worst", "Worst failures", [_worst(found)]),
+            Section("meaning", "Meaning and conditions", list(map(Text, _notes(found)))),
+        ],
     )
 
 
 def _levels(found: RareFailure, unit: str) -> Iterator[Block]:
     """Yield the figure at each level, and the probability of every population."""
-    asked = found.request.requirement
-    rows: list[Row] = [
-        [str(number), significant(asked.limit - asked.sign * one.below, 3), f"{one.share:.3f}", _kept(one)]
-        for number, one in enumerate(found.levels, 1)
-    ]
+    asked, rows = found.request.requirement, list[Row]()
+    for number, one in enumerate(found.levels, 1):
+        figure = significant(asked.limit - asked.sign * one.below, 3)
+        rows.append([str(number), figure, f"{one.share:.3f}", percent(round(one.kept, 2))])
     if rows:
         yield Table(["level>", f"{asked.figure}, {unit}>", "share>", "steps kept>"], rows)
     each = ", ".join(f"{one.probability:.2g}" for one in found.populations)
     yield Text(f"Probability by each population: {each}.")
-
-
-def _kept(level: Level) -> str:
-    return percent(round(level.kept, 2))
 
 
 def _region(found: RareFailure) -> Iterator[Block]:
@@ -93,10 +85,8 @@ def _notes(found: RareFailure) -> Iterator[str]:
     yield _MEANING
     if short := found.without_figure:
         causes = "; ".join(f"{number}: {cause}" for cause, number in short.most_common(3))
-        words = (
-            f"{sum(short.values())} of {len(found.failures)} failures ended before they reached the figure"
-        )
-        yield f"{words} ({causes}). They count as failures, as the worst ones."
+        words = f"{sum(short.values())} of {len(found.failures)} failures ended before they reached the"
+        yield f"{words} figure ({causes}). They count as failures, as the worst ones."
     least = min((level.kept for level in found.levels), default=1.0)
     if least < _STUCK:
         yield f"Only {percent(round(least, 3))} of the steps of a level were kept: use more flights (-n)."

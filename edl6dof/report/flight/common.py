@@ -53,15 +53,11 @@ def figure_with_data(run: FlightColumns, stack: Stack) -> Figure | None:
     return figure if figure.panels else None
 
 
-def figure_of(
-    run: FlightColumns, stack: Stack, rows: np.ndarray | slice = slice(None), **words: str
-) -> Figure:
-    """Draw a stack at some rows; ``words`` go into the caption."""
+def figure_of(run: FlightColumns, stack: Stack, rows: np.ndarray | bool = True, **words: str) -> Figure:
+    """Draw a stack at some rows (bool); ``words`` go into the caption."""
     panels: list[Panel] = []
     colours: dict[str, str] = {}  # a name has one colour in all panels, and no other name has it
-    same = (
-        len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1
-    )  # the figure's title names the quantity
+    same = len({plot.title.partition(", ")[0] for plot in stack.plots}) == 1  # the figure's title names it
     for plot in stack.plots:
         plot = plot._replace(title=plot.title.partition(", ")[2] or plot.title) if same else plot
         own = run.between(stack.since or plot.since, stack.until or plot.until)
@@ -71,19 +67,15 @@ def figure_of(
         if stack.within is not None and stack.within[0] in run:
             channel, low, high = stack.within
             own &= (run[channel] > low) & (run[channel] < high)
-        shown = np.zeros(len(run.t), bool)
-        shown[rows] = own[rows]
-        panel = over_time(run, plot, shown)
-        if panel is None:
+        if (panel := over_time(run, plot, own & rows)) is None:
             continue
+        alone, traces = len(panel.traces) == 1, list[Trace]()
         for trace in panel.traces:
+            name = plot.key if alone else trace.name
             if trace.colour in SERIES:
-                name = trace.name if len(panel.traces) > 1 else plot.key
                 colours.setdefault(name, SERIES[len(colours) % len(SERIES)])
-        if len(panel.traces) == 1:  # the axis title names the curve
-            traces = [replace(panel.traces[0], colour=colours[plot.key], name="")]
-        else:
-            traces = [replace(one, colour=colours.get(one.name, one.colour)) for one in panel.traces]
+            shown = "" if alone else name  # the axis title names the curve
+            traces.append(replace(trace, name=shown, colour=colours.get(name, trace.colour)))
         panels.append(replace(panel, traces=traces))
     caption = stack.caption
     if "{" in caption:
@@ -104,25 +96,20 @@ def over_time(run: FlightColumns, plot: Plot, rows: np.ndarray) -> Panel | None:
     ]
     span = _clipped(values) if plot.clip else None
     if found.sigma:
-        traces, span = [*traces[1:], traces[0]], _with_bounds(*values)
+        traces, span = [*traces[1:], traces[0]], _with_bounds(values[0], values[1])
     return time_panel(run, t, Axis(found.label, span), traces)
 
 
 def time_panel(
-    run: FlightColumns,
-    t: np.ndarray,
-    y: Axis,
-    traces: Sequence[Trace],
-    marks: Sequence[Mark] = (),
-    weight: float = 1.0,
+    run: FlightColumns, t: np.ndarray, y: Axis, traces: Sequence[Trace], marks: Sequence[Mark] = ()
 ) -> Panel:
     """Return a panel over times ``t`` (s), with a line at each event within these times."""
     inside = {key: when for key in EVENTS if len(t) and t[0] < (when := run.when.get(key, inf)) < t[-1]}
     events = [Mark("x", when, EVENTS[key], GREY) for key, when in inside.items()]
-    return Panel(Axis(TIME), y, traces, marks=[*events, *marks], weight=weight)
+    return Panel(Axis(TIME), y, traces, marks=[*events, *marks])
 
 
-def _with_bounds(error: np.ndarray, bound: np.ndarray, _: np.ndarray) -> tuple[float, float] | None:
+def _with_bounds(error: np.ndarray, bound: np.ndarray) -> tuple[float, float] | None:
     """Axis range, symmetrical about zero, for an error and its bounds."""
     largest = float(np.max(np.abs(error)))
     reach = 1.08 * max(largest, min(float(np.max(bound)), FAR * largest))

@@ -41,11 +41,8 @@ def profile(run: Run) -> Panel:
         for channel, words in PEAKS.items()
         if has_signal(run, channel)
     }
-    events = {key: EVENTS[key] for key in MARKED if key in run.when}
-    at |= {
-        words: int(run.t.searchsorted(run.when[key]).clip(max=len(run.t) - 1))
-        for key, words in events.items()
-    }
+    for key in (key for key in MARKED if key in run.when):
+        at[EVENTS[key]] = int(run.t.searchsorted(run.when[key]).clip(max=len(run.t) - 1))
     rows, farthest = list(at.values()), float(np.nanmax(distance))
     ground, few = height - run["truth.height_m"] / 1e3, np.linspace(0, len(run.t) - 1, 400).astype(int)
     low = np.full(2, np.nanmin(ground) - 0.06 * np.nanmax(height))

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import math
 import platform
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from typing import Any
 
+from pydantic import ValidationError
+
 from edl6dof.config.base import STATUS_MARKS
+from edl6dof.design.thruster_authority import configurations
 from edl6dof.metrics.figures import figure_of_merit
 from edl6dof.report.catalogue import STACKS
 from edl6dof.report.document import (
@@ -28,9 +33,10 @@ from edl6dof.report.document import (
 from edl6dof.report.flight import landing, navigation_errors, phase_planes, thrusters, trajectory
 from edl6dof.report.flight.common import has_signal, over_flight
 from edl6dof.report.flight.first_screen import first_screen
-from edl6dof.report.flight.vehicle import vehicle_section
 from edl6dof.report.terminal import LIMIT_STATUS, aligned_pair, comparison
+from edl6dof.report.vehicle_drawing import NOTE, authority_tables, vehicle_figure
 from edl6dof.runs.run import Run
+from edl6dof.vehicle.vehicle import VehicleParams
 
 #: Figures of merit at the head of the report, and their formats.
 _FACTS = (
@@ -69,7 +75,7 @@ def flight_report(run: Run) -> Report:
         ("chute", "Parachute", over_flight(run, STACKS["chute"])),
         ("landing", "Powered descent", landing.powered_descent(run)),
         ("hazards", "Hazards and the chosen spot", landing.hazard_maps(run)),
-        ("site", "Landing site", landing.site_figures(run)),
+        ("site", "Landing site", landing.landing_site(run)),
         ("configuration", "Configuration", configuration(run)),
         ("software", "Software and data", [software(run)]),
     )
@@ -127,23 +133,12 @@ def limits(run: Run) -> Table:
     rows: list[Row] = []
     for limit in run.summary["limits"]:
         value = math.nan if limit["value"] is None else float(limit["value"])
-        shown, allowed = aligned_pair(value, float(limit["limit"]), limit["ok"])
-        bound = float(limit["limit"])
+        bound, mood = float(limit["limit"]), _KEPT[limit["ok"]]
+        shown, allowed = aligned_pair(value, bound, limit["ok"])
         share = bound / max(value, 1e-9) if limit["least"] else value / bound
-        mood: Mood = "good" if limit["ok"] else "bad"
-        known = not math.isnan(share)
-        used = Cell(in_percent(share) if known else "-", mood, share if known else None)
-        result = Cell(LIMIT_STATUS[limit["ok"]], mood)
-        rows.append(
-            [
-                limit["name"],
-                printed(limit["unit"]),
-                shown,
-                f"{'≥' if limit['least'] else '≤'} {allowed}",
-                used,
-                result,
-            ]
-        )
+        used = Cell("-", mood) if math.isnan(share) else Cell(in_percent(share), mood, share)
+        sign, result = "≥" if limit["least"] else "≤", Cell(LIMIT_STATUS[limit["ok"]], mood)
+        rows.append([limit["name"], printed(limit["unit"]), shown, f"{sign} {allowed}", used, result])
     return Table(["limit", "unit", "this flight>", "allowed>", "used>", "result"], rows, "Limits")
 
 
@@ -174,34 +169,43 @@ def timeline(run: Run) -> Iterator[Block]:
     columns = ["t (s)>", "event", "height above ground (m)>", "speed over ground (m/s)>", "Mach in the air>"]
     yield Table(columns, rows)
     if "touchdown" in run.when:
-        words = (
-            "The Mach number is that of the airspeed: of a vehicle at rest on the ground, that of the wind."
-        )
-        yield Text(words)
+        words = "The Mach number is that of the airspeed: of a vehicle at rest on the ground,"
+        yield Text(f"{words} that of the wind.")
+
+
+def vehicle_section(run: Run) -> Iterator[Block]:
+    """Draw the vehicle and tabulate the authority of its thrusters; nothing of a point mass."""
+    if run.scenario["dynamics"] == "point_mass":
+        return
+    try:
+        vehicle = VehicleParams.model_validate_json(json.dumps(run.scenario["vehicle"]))
+    except ValidationError:
+        yield Text("Not drawn: the vehicle has parameters of a plugin, which a report does not load.")
+        return
+    states = configurations(vehicle)
+    yield vehicle_figure(vehicle, states)
+    if tables := authority_tables(vehicle, states):
+        yield from tables
+        yield Text(NOTE)
 
 
 def configuration(run: Run) -> Iterator[Block]:
     """List the resolved scenario by section, each with the count of its status marks."""
-    counts: dict[str, Counter[str]] = {}
+    counts = defaultdict[str, Counter[str]](Counter)
     for path, status in run.document.status.items():
-        counts.setdefault(path.partition(".")[0], Counter())[status] += 1
-    total = sum(counts.values(), Counter())
-    letters = {status: letter for letter, status in STATUS_MARKS.items()}
-    yield Text(
-        "The scenario as it was flown, every default written out. Marks say what kind of claim a number is: "
-        + ", ".join(f"[{letters[status]}] {status} ({total[status]})" for status in letters if total[status])
-        + "."
-    )
-    lines = run.scenario_text.splitlines()
+        counts[path.partition(".")[0]][status] += 1
+    total, marks = sum(counts.values(), Counter()), STATUS_MARKS.items()
+    claims = ", ".join(f"[{mark}] {status} ({total[status]})" for mark, status in marks if total[status])
+    words = "The scenario as it was flown, every default written out."
+    yield Text(f"{words} Marks say what kind of claim a number is: {claims}.")
+    lines, loose = run.scenario_text.splitlines(), list[str]()
     starts = [i for i, line in enumerate(lines) if line and line[0] not in " #-"] + [len(lines)]
-    loose: list[str] = []
-    for start, end in zip(starts, starts[1:], strict=False):
+    for start, end in pairwise(starts):
         key, text = lines[start].partition(":")[0], "\n".join(lines[start:end])
         if end - start == 1:
             loose.append(text)
             continue
-        count = counts.get(key, Counter())
-        note = ", ".join(f"{count[status]} {status}" for status in letters if count[status])
+        note = ", ".join(f"{counts[key][status]} {status}" for _, status in marks if counts[key][status])
         yield Listing(key.replace("_", " "), text, note)
     if loose:
         yield Listing("name and seed", "\n".join(loose))

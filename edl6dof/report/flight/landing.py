@@ -11,7 +11,7 @@ import numpy as np
 
 from edl6dof.interface.roles import HOVER_IMAGING, begun
 from edl6dof.report.catalogue import CELLS, STACKS
-from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry
+from edl6dof.report.figure import Axis, Figure, Heat, Panel, Trace, legend_entry, through
 from edl6dof.report.flight.common import circle, flown, over_flight, placed, site_panel
 from edl6dof.report.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SEQUENTIAL, SKY, VERMILION
 from edl6dof.runs.run import Run
@@ -38,20 +38,18 @@ def powered_descent(run: Run) -> Iterator[Figure]:
     yield from over_flight(run, STACKS["landing"])
 
 
-def site_figures(run: Run) -> Iterator[Figure]:
-    """Draw the landing site of a flight that came down on a parachute and left it."""
-    if "mortar" in run.when and "backshell" in run.when:
-        yield landing_site(run)
-
-
-def landing_site(run: Run) -> Figure:
-    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale."""
+def landing_site(run: Run) -> Iterator[Figure]:
+    """Draw the planned ellipse if there is one, the parachute descent, and the last leg, to scale; nothing of
+    a flight that did not come down on a parachute and leave it.
+    """
+    if not {"mortar", "backshell"} <= run.when.keys():
+        return
     last = run.between("backshell")
     aim, planned, below = [target(run)], _planned(run), track(run, run.between("mortar"), 1e3)
     limit, allowed = run.scenario["limits"]["landing_distance_m"], []
     if limit is not None:
-        x, y = circle((0.0, 0.0), float(limit) / 1e3, 181)
-        allowed = [Trace(x, y, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
+        ring = circle((0.0, 0.0), float(limit) / 1e3, 181)
+        allowed = [Trace(*ring, "allowed distance", colour=GREEN, dash="dash", width=1.2, border=True)]
     panels = []
     if planned:
         panels.append(site_panel([*planned, *allowed, below, *aim], unit="km", title="planned ellipse"))
@@ -62,18 +60,14 @@ def landing_site(run: Run) -> Figure:
     reach = float(np.hypot(np.ptp(run[EAST][last]), np.ptp(run[NORTH][last])))
     away = float(np.hypot(run[EAST][last], run[NORTH][last]).min())
     near = aim if away < 2.0 * reach else []  # a farther target would shrink everything else
-    traces = [
-        _part(run, "backshell"),
-        track(run, last),
-        *near,
-        events_on_map(run, {"touchdown": "touchdown"}, 1.0),
-    ]
+    ground = events_on_map(run, {"touchdown": "touchdown"}, 1.0)
+    traces = [_part(run, "backshell"), track(run, last), *near, ground]
     panels.append(site_panel(traces, title="powered descent"))
     landed, caption = run.summary["figures"], ""
     if landed.get("landing_distance_m") is not None:
         offset = f"{landed['landing_east_m']:+,.0f} m east, {landed['landing_north_m']:+,.0f} m north"
         caption = f"Landed {landed['landing_distance_m']:,.0f} m from the target: {offset}."
-    return Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
+    yield Figure("landing_site", "Landing site", panels, caption, columns=len(panels), height=460)
 
 
 def track(run: Run, rows: np.ndarray | slice, scale: float = 1.0) -> Trace:
@@ -93,9 +87,8 @@ def _planned(run: Run) -> list[Trace]:
     length, width = (float(terrain[f"ellipse_{side}_m"]) / 1e3 for side in ("length", "width"))
     if length <= 0.0:
         return []
-    east, north = planned_ellipse(length, width, np.radians(terrain["ellipse_azimuth_deg"]))
-    name = f"planned ellipse, {length:g} x {width:g} km"
-    return [Trace(east, north, name, colour=GREY, width=1.0, border=True)]
+    ring = planned_ellipse(length, width, np.radians(terrain["ellipse_azimuth_deg"]))
+    return [Trace(*ring, f"planned ellipse, {length:g} x {width:g} km", colour=GREY, width=1.0, border=True)]
 
 
 def _part(run: Run, name: str, scale: float = 1.0) -> Trace:
@@ -111,17 +104,11 @@ def events_on_map(run: Run, names: dict[str, str], scale: float = 1e3) -> Trace:
 
 
 def hazard_maps(run: Run) -> Iterator[Figure]:
-    """Draw the figures of the section; none for a flight that chose no spot from a scan."""
-    found = run.landing_map
-    if found is None:
+    """Draw the choice on the landing image and the map of the scan, of a flight that chose from a scan."""
+    if (found := run.landing_map) is None:
         return
     if len(found.coarse_m):
         yield coarse_choice(run, found)
-    yield _fine(run, found)
-
-
-def _fine(run: Run, found: LandingMap) -> Figure:
-    """The map of the scan, by class of cell and as heights."""
     east, north = middles(found)
     every = -(-len(east) // MOST_CELLS)
     e, n = east[::every], north[::every]
@@ -133,13 +120,12 @@ def _fine(run: Run, found: LandingMap) -> Figure:
     heights = Heat(e, n, height, "height (m)", low, max(high, low + 0.1), SEQUENTIAL)
     entries = [legend_entry(text, colour, 4.0) for text, colour in CELLS.values()]
     way = list(_way(run, found))
-    x, y = found.rejected_m.T
-    passed = Trace(x, y, "passed over", "points", ORANGE, symbol="x", width=3.0)
+    passed = through(found.rejected_m, "passed over", "points", colour=ORANGE, symbol="x", width=3.0)
     traces = [*entries, *[passed] * bool(len(found.rejected_m)), *way]
     classes = site_panel(traces, title="what it made of them", heat=kinds)
     seen = site_panel(way, title="what it saw: height above the ground below", heat=heights)
-    title = "Map of hazards from hover"
-    return Figure("hazard_map", title, [classes, seen], _words(run, found), columns=2, height=480)
+    panels, caption = [classes, seen], _words(run, found)
+    yield Figure("hazard_map", "Map of hazards from hover", panels, caption, columns=2, height=480)
 
 
 def _words(run: Run, found: LandingMap) -> str:
@@ -147,13 +133,10 @@ def _words(run: Run, found: LandingMap) -> str:
     safe = 100.0 * np.mean(found.cell_class == CELL_CLASSES.index("safe"))
     away = float(np.hypot(*(found.spot_m - found.hover_m[:2])))
     reasons = Counter(found.reasons()).most_common()
-    passed = ", ".join(f"{count} for {name}" for name, count in reasons)
     text = f"Of the map {safe:.0f} % is safe for the whole footprint. "
-    if passed:
-        text += (
-            f"On its way out from the point below, the search passed over unsafe spots: {passed} (the first "
-            f"{len(found.rejected_m)} that lie a footprint apart); "
-        )
+    if passed := ", ".join(f"{count} for {name}" for name, count in reasons):
+        text += f"On its way out from the point below, the search passed over unsafe spots: {passed} "
+        text += f"(the first {len(found.rejected_m)} that lie a footprint apart); "
     else:
         text += "The search passed over nothing; "
     if not found.found:
@@ -165,9 +148,7 @@ def _words(run: Run, found: LandingMap) -> str:
 
 
 def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
-    """Sentence on the nearest safe spot if it is nearer than the chosen one, whose distance (m) and clearance
-    (m) are given; otherwise empty.
-    """
+    """Sentence on a safe spot nearer than the chosen one, if any; ``away``, ``clear``: of that one, m."""
     east, north = middles(found)
     distance = np.hypot(north[:, None] - found.hover_m[1], east - found.hover_m[0])
     distance[found.cell_class != CELL_CLASSES.index("safe")] = np.inf
@@ -185,11 +166,10 @@ def _nearer(run: Run, found: LandingMap, away: float, clear: float) -> str:
 def coarse_choice(run: Run, found: LandingMap) -> Figure:
     """Draw the targets of the parts of the landing image, and where backshell and lander came down."""
     labels = [f"{100.0 * share:.1f} % obstacles" for share in found.coarse_obstacles]
-    (x, y), (drift_x, drift_y) = found.coarse_m.T, found.drift_m[:, :2].T
-    offered = Trace(x, y, "parts of the image", "points", GREY, labels=labels, width=4.0)
+    offered = through(found.coarse_m, "parts of the image", "points", colour=GREY, labels=labels, width=4.0)
     chosen = found.coarse_m[np.arange(len(found.coarse_m)) == found.coarse_part]
-    taken = Trace(chosen[:, 0], chosen[:, 1], "part taken", "points", VERMILION, symbol="diamond", width=4.0)
-    drift = Trace(drift_x, drift_y, "backshell, as predicted", colour=PURPLE, dash="dot")
+    taken = through(chosen, "part taken", "points", colour=VERMILION, symbol="diamond", width=4.0)
+    drift = through(found.drift_m[:, :2], "backshell, as predicted", colour=PURPLE, dash="dot")
     # all in navigated coordinates, which contain the navigation error
     off = run["nav.error_east_m"], run["nav.error_north_m"]
     east, north = (run[f"truth.backshell_{way}_m"] + error for way, error in zip(_WAYS, off, strict=True))
@@ -202,8 +182,8 @@ def coarse_choice(run: Run, found: LandingMap) -> Figure:
     caption = (
         "Of the parts of the landing image whose target is away from the predicted path of backshell and "
         "canopy, the one with the fewest obstacles is taken. "
-        + ("" if len(chosen) else "None was: the plain divert rule has set the target.")
     )
+    caption += "" if len(chosen) else "None was: the plain divert rule has set the target."
     return Figure("coarse_choice", "Choice on the landing image", [panel], caption, height=420)
 
 

@@ -122,5 +122,6 @@ def lanes(run: Run, those: Sequence[Instrument]) -> Panel:
             places = np.repeat([float(lane) for _, _, lane in ends], 3)
             traces.append(Trace(x, np.where(np.isnan(x), np.nan, places), state, colour=colour, width=7.0))
     y = Axis(TITLES[those[0].kind], (len(those) - 0.5, -0.5), names=[one.name for one in those])
-    panel = time_panel(run, run.t, y, traces, weight=0.3 + 0.13 * len(those))
-    return replace(panel, marks=[replace(mark, label="") for mark in panel.marks])
+    panel = time_panel(run, run.t, y, traces)
+    unnamed = [replace(mark, label="") for mark in panel.marks]
+    return replace(panel, marks=unnamed, weight=0.3 + 0.13 * len(those))

@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 from edl6dof.config.document.yamltree import write_flow
 from edl6dof.metrics.figures import figure_of_merit
-from edl6dof.report.document import Block, Cell, Report, Row, Section, Table, Text
+from edl6dof.report.document import Cell, Report, Row, Section, Table, Text, decimals
 from edl6dof.report.figure import Axis, Dash, Figure, Panel, Trace
 from edl6dof.report.flight.flight_report import flight_report, headline, mood
 from edl6dof.runs.files import distinct_names
@@ -35,17 +35,11 @@ def comparison_report(first: Run, second: Run) -> Report:
         Section("differences", "Differences of the scenarios", [differences_table(first, second)]),
     ]
     for section in one.sections:
-        both: list[Block] = [
-            overlaid(block, of_second[block.key], names)
-            for block in section.blocks
-            if isinstance(block, Figure) and block.key in of_second
-        ]
-        if both:
+        figures = (block for block in section.blocks if isinstance(block, Figure) and block.key in of_second)
+        if both := [overlaid(figure, of_second[figure.key], names) for figure in figures]:
             sections.append(Section(f"plots_{section.key}", section.title, both))
-    footer = (
-        f"1: {first.folder}, scenario {first.summary['scenario_sha256']}; 2: {second.folder}, scenario "
-        f"{second.summary['scenario_sha256']}"
-    )
+    origins = (f"{run.folder}, scenario {run.summary['scenario_sha256']}" for run in (first, second))
+    footer = "1: {}; 2: {}".format(*origins)
     worst = max((mood(run.summary) for run in (first, second)), key=("good", "warn", "bad").index)
     words = f"1: {headline(first)}; 2: {headline(second)}"
     return Report(f"{names[0]} and {names[1]}", words, worst, "Two flights compared", (), sections, footer)
@@ -106,9 +100,8 @@ def together(figures: Sequence[Figure], names: Sequence[str]) -> Figure:
     for index, panel in enumerate(figures[0].panels):
         curves = (figure.panels[index].traces[0] for figure in figures)
         named = zip(curves, names, cycle(get_args(Dash)), strict=False)
-        panels.append(
-            replace(panel, traces=[replace(own, name=name, dash=dash) for own, name, dash in named])
-        )
+        traces = [replace(own, name=name, dash=dash) for own, name, dash in named]
+        panels.append(replace(panel, traces=traces))
     return replace(figures[0], panels=panels, title=f"{figures[0].title} of {len(figures)} flights")
 
 
@@ -129,19 +122,12 @@ def _both(one: Panel, two: Panel | None, names: Sequence[str]) -> Panel:
         return replace(one, title=f"{names[0]} only")
     if two is None:
         return one
-    mine = [_named(trace, names[0]) for trace in one.coloured()]
-    other = [
-        replace(
-            _named(trace, names[1]),
-            dash="dash" if trace.dash == "solid" else "dot",
-            colour=darker(trace.colour),
-            labels=(),
-            width=1.3,
-        )
-        for trace in two.coloured()
-        if not trace.border
-    ]
-    return replace(one, x=_widened(one.x, two.x), y=_widened(one.y, two.y), traces=[*mine, *other])
+    traces = [_named(trace, names[0]) for trace in one.coloured()]
+    for trace in (trace for trace in two.coloured() if not trace.border):
+        dash: Dash = "dash" if trace.dash == "solid" else "dot"
+        other = replace(_named(trace, names[1]), dash=dash, colour=darker(trace.colour))
+        traces.append(replace(other, labels=(), width=1.3))
+    return replace(one, x=_widened(one.x, two.x), y=_widened(one.y, two.y), traces=traces)
 
 
 def _widened(axis: Axis, other: Axis) -> Axis:
@@ -166,21 +152,14 @@ def _named(trace: Trace, flight: str) -> Trace:
 
 
 def _numbers(one: float | None, two: float | None) -> list[str]:
-    """Both values and their difference as text: whole, or with five digits, or with more if the difference
-    needs them for three digits.
-    """
+    """Both values and their difference: whole, or with five digits, three of the difference."""
     given = [math.nan if value is None else float(value) for value in (one, two)]
     size = max((abs(value) for value in given if math.isfinite(value)), default=0.0)
     whole = all(value.is_integer() for value in given if math.isfinite(value))
     change = given[1] - given[0]
-    places = 0 if whole else min(max(_places(size, 5), _places(abs(change), 3)), 6)
+    places = 0 if whole else min(max(decimals(size, 5), decimals(abs(change), 3)), 6)
     shown = [f"{value:,.{places}f}" if math.isfinite(value) else "-" for value in given]
     return [*shown, f"{change:+,.{places}f}" if math.isfinite(change) else "-"]
-
-
-def _places(size: float, digits: int) -> int:
-    """Number of decimals with which a number of this size has ``digits`` digits."""
-    return max(digits - 1 - math.floor(math.log10(size)), 0) if 0.0 < size < math.inf else 0
 
 
 def _numbered(events: Sequence[Mapping[str, Any]]) -> dict[tuple[str, int], tuple[float, str]]:

@@ -7,6 +7,7 @@ minus goal, so that a controlled vehicle moves through the first and third quadr
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -52,18 +53,18 @@ def phase_plane(run: Run, control: str, phases: Sequence[tuple[str, np.ndarray]]
         error = run[f"control.error_{name}_deg"]
         if axis > 0 and not any(np.median(np.abs(error[rows])) > 0.0 for _, rows in phases):
             continue  # only damped: its rate is in the plane of rates below
-        traces = _ways(error, rates[axis], [(phase, rows & cycles) for phase, rows in phases])
+        ways = _ways(error, rates[axis], [(phase, rows & cycles) for phase, rows in phases])
         word = "bank" if control == "bank_to_steer" and axis == 0 else name
         lines, marks = borders(gains, axis)
+        panel = _plane(f"{word} error (deg)", f"{word} rate (deg/s)", ways, marks)
         zero = [Mark(across, 0.0, colour=AXIS, dash="solid") for across in ("x", "y")]
-        panels.append(_plane((f"{word} error", "deg"), f"{word} rate", traces, marks, lines, zero))
+        panels.append(replace(panel, traces=[*lines, *ways], marks=[*zero, *marks]))
     if len(panels) == 1:  # add the plane of yaw rate over pitch rate
         marks = [Mark(axis, mark.at, colour=GREY) for mark in borders(gains, 1)[1] for axis in ("x", "y")]
-        panels.append(_plane(("pitch rate", "deg/s"), "yaw rate", _ways(rates[1], rates[2], phases), marks))
-    caption = (
-        f"{_meanings(panels)}Axes are cut to the flown part and the nearest borders, which are drawn for the "
-        "gains at bandwidth 1."
-    )
+        ways = _ways(rates[1], rates[2], phases)
+        panels.append(_plane("pitch rate (deg/s)", "yaw rate (deg/s)", ways, marks))
+    caption = "Axes are cut to the flown part and the nearest borders, which are drawn for the gains at "
+    caption = f"{_meanings(panels)}{caption}bandwidth 1."
     title = f"Phase planes, {TITLES.get(control, control.replace('_', ' '))}"
     return Figure(f"phase_plane_{control}", title, panels, caption, len(panels), height=330)
 
@@ -76,14 +77,7 @@ def _ways(x: np.ndarray, y: np.ndarray, phases: Sequence[tuple[str, np.ndarray]]
     ]
 
 
-def _plane(
-    across: tuple[str, str],
-    up: str,
-    ways: list[Trace],
-    marks: list[Mark],
-    lines: Sequence[Trace] = (),
-    zero: Sequence[Mark] = (),
-) -> Panel:
+def _plane(across: str, up: str, ways: list[Trace], marks: list[Mark]) -> Panel:
     """A plane with axes symmetric about zero, from the flown part to the nearest border."""
 
     def span(axis: str) -> tuple[float, float]:
@@ -93,8 +87,7 @@ def _plane(
         reach = 1.12 * max(size, min(beyond, default=0.0))
         return -reach, reach
 
-    x, y = Axis(f"{across[0]} ({across[1]})", span("x")), Axis(f"{up} (deg/s)", span("y"))
-    return Panel(x, y, [*lines, *ways], marks=[*zero, *marks])
+    return Panel(Axis(across, span("x")), Axis(up, span("y")), ways, marks=marks)
 
 
 def _meanings(panels: Sequence[Panel]) -> str:

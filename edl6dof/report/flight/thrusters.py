@@ -45,17 +45,16 @@ def activity(run: Run, thrusters: list[str]) -> Figure:
     duty = np.stack([np.bincount(place, run[f"rcs.{name}"], BINS) / count for name in thrusters])
     high = max(float(np.quantile(duty[duty > 0.0], 0.98)) if np.any(duty > 0.0) else 1.0, 0.05)
     heat = Heat(0.5 * (edges[1:] + edges[:-1]), np.arange(len(thrusters)), duty, "mean duty", 0.0, high)
-    bands, failures = [], ""
+    caption, bands = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s;", list[Band]()
+    caption += " the colour scale ends at the 98th percentile of firing."
     for lane, name in enumerate(thrusters):
         faulty = run.get(f"fault.{name}", np.zeros(1)) != 0
         if faulty.any():
             span = float(run.t[np.argmax(faulty)]), float(run.t[-1])
             bands.append(Band(BAD, span, (lane - 0.5, lane + 0.5), "failed", 0.25, outline=True))
-            failures += f" {name} failed at {span[0]:.1f} s."
+            caption += f" {name} failed at {span[0]:.1f} s."
     y = Axis("thruster", (len(thrusters) - 0.5, -0.5), names=thrusters)
     panel = replace(time_panel(run, run.t, y, ()), bands=bands, heat=heat)
-    caption = f"Mean thrust fraction over {edges[1] - edges[0]:.2f} s; the colour scale ends at the 98th "
-    caption += f"percentile of firing.{failures}"
     return Figure("thrusters", "Thruster activity", [panel], caption, height=22 * len(thrusters))
 
 
@@ -79,35 +78,30 @@ def use(run: Run) -> Table:
 
 
 def disturbances(run: Run) -> Iterator[Figure]:
-    """Draw torque and force from other sources than the thrusters, and their estimates."""
+    """Draw torque and force from other sources than the thrusters, and their estimates.
+
+    Telemetry lacks the direction of the riser's pull, so that true forces under tension are left out.
+    """
     if not has_signal(run, *(f"truth.disturbance_{axis}_nm" for axis in "xyz")):
         return
     acting = "all but the thrusters" if run.scenario["vehicle"]["rcs"]["thrusters"] else "all that acts"
     yield figure_of(run, DISTURBANCE, acting=acting)
-    if has_signal(run, *(f"estimate.force_{axis}_n" for axis in "xyz")):
-        yield force(run, acting)
-
-
-def force(run: Run, acting: str) -> Figure:
-    """Draw the estimated and the true force; telemetry lacks the direction of the riser's pull, so that true
-    values under tension are left out.
-    """
+    if not has_signal(run, *(f"estimate.force_{axis}_n" for axis in "xyz")):
+        return
     rows = run.between(until="touchdown")
     free, t = np.where(run["truth.riser_tension_n"] > 0.0, np.nan, 1.0), run.t[rows]
     panels = []
     for axis in "xyz":
         thrust = run["truth.engine_thrust_n"] if axis == "x" else 0.0
         acted = free * (run[f"truth.aero_force_{axis}_n"] - thrust)
-        traces = [
-            Trace(t, run[f"estimate.force_{axis}_n"][rows], "estimated", colour=ORANGE),
-            Trace(t, acted[rows], "true", colour=BLUE),
-        ]
-        panels.append(time_panel(run, t, Axis(f"{axis} (N)"), traces))
+        true = Trace(t, acted[rows], "true", colour=BLUE)
+        estimated = Trace(t, run[f"estimate.force_{axis}_n"][rows], "estimated", colour=ORANGE)
+        panels.append(time_panel(run, t, Axis(f"{axis} (N)"), [estimated, true]))
     vehicle = run.scenario["vehicle"]
     engine = " and, along x, the engine" if vehicle["engines"] else ""
     pulled = " True values are left out while the parachute pulls." if vehicle["parachutes"] else ""
     caption = f"Force of {acting}, in body axes: air{engine}.{pulled}"
-    return stacked("disturbance_force", "Disturbance force", panels, caption, 160)
+    yield stacked("disturbance_force", "Disturbance force", panels, caption, 160)
 
 
 def fault_diagnosis(run: Run) -> Iterator[Figure]:
@@ -144,11 +138,8 @@ def history(run: Run, rows: np.ndarray, key: str, title: str) -> Figure:
         leaks(run, rows),
         time_panel(run, t, Axis("isolated (1)", (-0.1, most + 0.1)), [count]),
     ]
-    caption = (
-        "Residual: estimated less true disturbance torque, which is thrust that never came; left out while "
-        "the parachute pulls."
-    )
-    return stacked(key, title, panels, caption, 150)
+    caption = "Residual: estimated less true disturbance torque, which is thrust that never came;"
+    return stacked(key, title, panels, f"{caption} left out while the parachute pulls.", 150)
 
 
 def leaks(run: Run, rows: np.ndarray) -> Panel:
@@ -160,7 +151,7 @@ def leaks(run: Run, rows: np.ndarray) -> Panel:
         Trace(t, np.where(leaking == number, lane, np.nan), colour=BAD, width=7.0)
         for lane, number in enumerate(lanes)
     ]
-    return time_panel(run, t, y, traces, weight=0.25 + 0.15 * len(lanes))
+    return replace(time_panel(run, t, y, traces), weight=0.25 + 0.15 * len(lanes))
 
 
 def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
@@ -171,10 +162,8 @@ def branch_flows(run: Run, rows: np.ndarray) -> Iterator[Figure]:
     if not shown:
         return
     left = f", the first {MOST} of {len(failed)}" if len(failed) > MOST else ""
-    caption = (
-        f"Means over {MEAN_S:g} s{left}; the meter as the flight computer reads it. A valve that stays open "
-        "lets the flow of one thruster through, a dead one none."
-    )
+    caption = f"Means over {MEAN_S:g} s{left}; the meter as the flight computer reads it."
+    caption += " A valve that stays open lets the flow of one thruster through, a dead one none."
     panels = [flow_panel(run, name, rows) for name in shown]
     yield stacked("flows", "Flow through the branches that failed", panels, caption, 150)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import pairwise
+from itertools import cycle, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -35,8 +35,7 @@ def figures(run: Run) -> Iterator[Figure]:
     """Draw the whole flight and the entry."""
     yield overview(run)
     yield from over_flight(run, [NEAR_GROUND])
-    entry = entry_state(run)
-    if entry is not None:
+    if (entry := entry_state(run)) is not None:
         yield altitude_velocity(run, entry)
         yield drag_velocity(run, entry)
     if "mortar" in run.when:
@@ -48,19 +47,17 @@ def overview(run: Run) -> Figure:
     figure = figure_of(run, OVERVIEW)
     phases = [name for name in run.phase_names if f"phase.{name}" in run.when]
     spans = pairwise([*(run.when[f"phase.{name}"] for name in phases), float(run.t[-1])])
-    bands = [Band(PHASES[k % len(PHASES)], x=span, opacity=0.75) for k, span in enumerate(spans)]
+    bands = [Band(colour, x=span, opacity=0.75) for colour, span in zip(cycle(PHASES), spans, strict=False)]
     panels = [replace(panel, bands=bands) for panel in figure.panels]
-    entries = [
-        legend_entry(name.replace("_", " "), band.colour, border=True)
-        for name, band in zip(phases, bands, strict=True)
-    ]
+    named = zip(phases, bands, strict=True)
+    entries = [legend_entry(name.replace("_", " "), band.colour, border=True) for name, band in named]
     panels[0] = replace(panels[0], traces=[*panels[0].traces, *entries])
     caption = figure.caption + (" The ground colour is the mission phase." if phases else "")
     return replace(figure, panels=panels, caption=caption)
 
 
-def on_scale(panel: Panel) -> tuple[Panel, str]:
-    """Return the panel without the borders that lie outside its scales, and a sentence that names them."""
+def on_scale(key: str, title: str, panel: Panel, caption: str) -> Figure:
+    """Return a figure without the borders that lie outside its scales, which the caption names."""
     (left, right), (low, high) = (sorted(panel.span(axis)) for axis in ("x", "y"))
     kept, beyond = list[Trace](), list[str]()
     for trace in panel.traces:
@@ -69,33 +66,29 @@ def on_scale(panel: Panel) -> tuple[Panel, str]:
             kept.append(trace)
         elif trace.name and np.isfinite(trace.y).any():
             beyond.append(trace.name)
-    return replace(panel, traces=kept), f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    caption += f" Beyond the scale: {', '.join(beyond)}." if beyond else ""
+    title += " in the corridor" if any(one.border and one.kind == "line" for one in kept) else ""
+    return Figure(key, title, [replace(panel, traces=kept)], caption, height=380)
 
 
 def drag_velocity(run: Run, entry: Entry) -> Figure:
     """Draw drag over speed inside its corridor."""
     found = borders(run, entry)
-    lowest = min((float(border.drag.min()) for border in found), default=1.0)
+    lowest = min((float(border.y.min()) for border in found), default=1.0)
     top = max(1.3 * float(entry.drag.max()), 1.2 * lowest)
-    traces = forbidden(entry, found, top)
-    traces += [border.trace(entry.speed, border.drag) for border in (*found, glide(entry))]
+    traces = [*forbidden(entry, found, top), *found, glide(entry)]
     rows = run.between(until="mortar")
     speed, reference = run["truth.airspeed_m_s"][rows] / 1e3, run["guide.reference_drag_m_s2"][rows]
     if np.any(reference > 0.0):
         given = np.where(reference > 0.0, reference, np.nan)
         traces.append(Trace(speed, given, "reference", colour=GREY, width=2.2))
     traces.append(flown(speed, aerodynamic_accelerations(run, rows)[0]))
-    panel = Panel(
-        Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0)),
-        Axis("drag acceleration (m/s²)", (0.0, top)),
-        traces,
-    )
-    panel, beyond = on_scale(panel)
     caption = "The flight runs from left to right."
     if found:
         caption += " Borders are limits of the scenario, turned into drag by this flight's own aerodynamics."
-    caption += beyond
-    return Figure("drag_velocity", _titled("Drag over speed", panel), [panel], caption, height=380)
+    x = Axis("speed in the air (km/s)", (float(entry.speed.max()) / 1e3 * 1.03, 0.0))
+    panel = Panel(x, Axis("drag acceleration (m/s²)", (0.0, top)), traces)
+    return on_scale("drag_velocity", "Drag over speed", panel, caption)
 
 
 def altitude_velocity(run: Run, entry: Entry) -> Figure:
@@ -105,24 +98,16 @@ def altitude_velocity(run: Run, entry: Entry) -> Figure:
     found = borders(run, entry)
     traces = []
     for border in (*found, glide(entry)):
-        density = 2.0 * border.drag / entry.drag_per_pressure / entry.speed**2
-        traces.append(border.trace(entry.speed, entry.height(density) / 1e3))
+        density = 2.0 * border.y / entry.drag_per_pressure / entry.speed**2
+        traces.append(replace(border, y=entry.height(density) / 1e3))
     names = {key: EVENTS[key] for key in ("trim_wing", "mortar")}
     events = placed(run, "truth.airspeed_m_s", "truth.height_above_areoid_m", names, (1e-3, 1e-3))
-    panel = Panel(
-        Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0)),
-        Axis("height above the areoid (km)", (-5.0, float(height[rows].max()))),
-        [*traces, flown(speed, height), events],
-    )
-    panel, beyond = on_scale(panel)
+    x = Axis("speed in the air (km/s)", (float(speed[rows].max()) * 1.03, 0.0))
+    y = Axis("height above the areoid (km)", (-5.0, float(height[rows].max())))
     above = "; it must stay above the borders of its limits" if found else ""
-    caption = f"The flight runs from left to right{above}.{beyond}"
-    return Figure("altitude_velocity", _titled("Height over speed", panel), [panel], caption, height=380)
-
-
-def _titled(words: str, panel: Panel) -> str:
-    """A title from ``words``, with the corridor added if the panel shows a border of it."""
-    return f"{words} in the corridor" if any(t.border and t.kind == "line" for t in panel.traces) else words
+    caption = f"The flight runs from left to right{above}."
+    panel = Panel(x, y, [*traces, flown(speed, height), events])
+    return on_scale("altitude_velocity", "Height over speed", panel, caption)
 
 
 def deployment_box(run: Run) -> Figure:
@@ -213,51 +198,41 @@ def _calm(run: Run, values: np.ndarray) -> np.ndarray:
     return np.convolve(held, np.full(rows, 1.0 / rows), mode="valid")
 
 
-class Border(NamedTuple):
-    """One border of the corridor: drag (m/s2) over ``Entry.speed``."""
-
-    name: str
-    drag: np.ndarray
-    colour: str
-    dash: Dash
-
-    def trace(self, x: np.ndarray, y: np.ndarray) -> Trace:
-        """Return the border in a plane: km/s, and ``y`` over it."""
-        return Trace(x / 1e3, y, self.name, colour=self.colour, dash=self.dash, border=True)
+def _border(entry: Entry, name: str, drag: np.ndarray, colour: str, dash: Dash) -> Trace:
+    return Trace(entry.speed / 1e3, drag, name, colour=colour, dash=dash, border=True)
 
 
-def borders(run: Run, entry: Entry) -> list[Border]:
-    """Return borders for the limits that the scenario sets."""
-    limit = run.scenario["limits"]
-    found = []
+def borders(run: Run, entry: Entry) -> list[Trace]:
+    """Return the drag (m/s2) over speed (km/s) of the limits that the scenario sets."""
+    limit, found = run.scenario["limits"], list[Trace]()
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
         pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
         drag = pressure * entry.drag_per_pressure
-        found.append(Border(f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
+        found.append(_border(entry, f"heat flux {most:g} W/cm²", drag, VERMILION, "dash"))
     if (most := limit.get("entry_dynamic_pressure_pa")) is not None:
         drag = most * entry.drag_per_pressure
-        found.append(Border(f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
+        found.append(_border(entry, f"dynamic pressure {most / 1e3:g} kPa", drag, ORANGE, "dashdot"))
     if (most := limit.get("entry_load_g0")) is not None:
         drag = most * G0 * entry.drag_per_pressure / entry.load_per_pressure
-        found.append(Border(f"load {most:g} g", drag, PURPLE, "dot"))
+        found.append(_border(entry, f"load {most:g} g", drag, PURPLE, "dot"))
     return found
 
 
-def glide(entry: Entry) -> Border:
+def glide(entry: Entry) -> Trace:
     """Return the drag (m/s2) of the equilibrium glide, in which full lift up keeps the flight-path angle
     constant, with the gravity and radius at the ground; NaN above circular speed and without lift.
     """
     need = entry.gravity - entry.speed**2 / entry.radius
     lifting = (need > 0.0) & (entry.lift_to_drag > LEAST_LIFT)
     drag = np.where(lifting, need / entry.lift_to_drag, np.nan)
-    return Border("equilibrium glide, lift up", drag, GREEN, "dash")
+    return _border(entry, "equilibrium glide, lift up", drag, GREEN, "dash")
 
 
-def forbidden(entry: Entry, found: list[Border], edge: float) -> list[Trace]:
+def forbidden(entry: Entry, found: list[Trace], edge: float) -> list[Trace]:
     """Return the drag (m/s2) above the lowest border, up to ``edge``, as one shaded region."""
     if not found:
         return []
-    lowest = np.minimum(np.min([border.drag for border in found], axis=0), edge)
+    lowest = np.minimum(np.min([border.y for border in found], axis=0), edge)
     rows = np.linspace(0, len(entry.speed) - 1, 200).astype(int)
     x, y = entry.speed[rows] / 1e3, lowest[rows]
     around = np.append(x, x[::-1]), np.append(y, np.full(len(x), edge))

@@ -5,7 +5,6 @@ The energy of the drag error stays below lambda^2 times that of the disturbance 
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import lru_cache
 from math import sin
 from typing import NamedTuple
@@ -144,7 +143,7 @@ def test_error_converges_without_disturbance_and_adaptation_is_why(setting):
 def test_storage_falls_under_the_law_and_rises_when_adaptation_goes_the_wrong_way(setting):
     storage = respond(setting, nothing).storage(setting)
     assert storage[-1] < 0.999 * storage[0] and np.max(np.diff(storage)) < 1e-3 * storage[0]
-    wrong = setting._replace(design=replace(setting.design, energy=-setting.design.energy))
+    wrong = setting._replace(design=setting.design._replace(energy=-setting.design.energy))
     rising = respond(wrong, nothing).storage(wrong)
     assert np.max(rising) > 1.01 * rising[0]
 
@@ -159,7 +158,7 @@ def test_worst_disturbance_of_the_theory_comes_near_the_bound_and_not_past_it(se
     that frequency.
     """
     frequency, known = 0.05, np.zeros(5)
-    design = replace(setting.design, energy=1e9, gravity=0.0)
+    design = setting.design._replace(energy=1e9, gravity=0.0)
     reply = respond(
         Setting(design, known - 1e-12, known + 1e-12, setting.profile),
         lambda t: 0.02 * np.sin(frequency * t),

@@ -16,8 +16,8 @@ from edl6dof.verify.case import (
     FLAT,
     VACUUM,
     WEIGHTLESS,
+    Bench,
     doing,
-    flown,
     scenes,
     state_of,
     to_the_end,
@@ -49,7 +49,7 @@ def test_potential_is_that_of_the_field(model, degree):
 
 def test_free_fall_gives_gravity_times_time_and_no_work():
     scene = [*BARE, *VACUUM, *FLAT, *ENDLESS, *AT_REST, "simulation.time_limit_s=10"]
-    nominal, flight = flown(scene)
+    nominal, flight = Bench().flown(scene)
     g = 3.72 / (1.0 + nominal.initial.altitude_m / 1e9) ** 2
     assert np.linalg.norm(balance(flight)["velocity"]) == pytest.approx(10.0 * g, rel=1e-6)
     assert balance(flight)["work"] == 0.0
@@ -70,7 +70,7 @@ def test_a_burn_gives_what_its_propellant_gives_by_tsiolkovsky():
 
 def test_a_separation_books_recoil_its_work_and_the_part():
     scene = [*BARE, *VACUUM, *WEIGHTLESS, *ENDLESS, *AT_REST, *doing(("jettison", "heat_shield", 0.0))]
-    nominal, flight = flown([*scene, "simulation.time_limit_s=1"])
+    nominal, flight = Bench().flown([*scene, "simulation.time_limit_s=1"])
     part = next(part for part in nominal.vehicle.parts if part.name == "heat_shield")
     recoil = part.mass_kg / nominal.vehicle.mass.entry_kg * np.linalg.norm(part.separation_velocity_m_s)
     kept = balance(flight)
@@ -82,7 +82,7 @@ def test_a_separation_books_recoil_its_work_and_the_part():
 
 def test_a_field_that_turns_does_work_and_it_is_counted():
     """The energy in I of an orbit about a planet that is no body of revolution is not constant."""
-    _, flight = flown(
+    _, flight = Bench().flown(
         [
             *BARE,
             *VACUUM,
@@ -104,7 +104,7 @@ def test_a_field_that_turns_does_work_and_it_is_counted():
 def test_a_parachute_whose_lines_are_not_yet_taut_goes_on_when_its_carrier_leaves():
     """It vanished with its momentum."""
     events = doing(("deploy", "main", 0.0), ("jettison", "backshell", 0.2))
-    _, flight = flown(
+    _, flight = Bench().flown(
         [*BARE, *VACUUM, *WEIGHTLESS, *ENDLESS, *AT_REST, *events, "simulation.time_limit_s=0.4"]
     )
     assert np.isfinite(flight.plant["done"][0, 1])
