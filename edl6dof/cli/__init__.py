@@ -12,18 +12,7 @@ from edl6dof.cli.designs import design, new
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
 from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app, examples
 from edl6dof.cli.run_outputs import assure, compare, export, plot, replay, report
-from edl6dof.cli.scenarios import (
-    cache,
-    check,
-    fly,
-    params,
-    scenarios,
-    schema,
-    serve,
-    show,
-    trust,
-    version,
-)
+from edl6dof.cli.scenarios import cache, check, fly, params, scenarios, schema, serve, show, trust, version
 
 #: By the title of their part of the help.
 COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from traceback import extract_tb
@@ -249,6 +249,16 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
     if path.suffix not in suffixes:
         raise refusal(path, f"must end in {', '.join(suffixes)}")
     refuse_existing_file(path, force)
+
+
+def write_file(out: Path | None, force: bool, write: Callable[[Path], object]) -> None:
+    """Write the file that an option names, if it names one, and print its path."""
+    from edl6dof.runs.files import atomic_file
+
+    if out is not None:
+        with atomic_file(out, force) as partial:
+            write(partial)
+        print(out)
 
 
 @contextmanager

@@ -110,8 +110,7 @@ def fly(
 
 
 def check(
-    files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")],
-    sets: Sets = None,
+    files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")], sets: Sets = None
 ) -> int:
     """Check scenario files; report mistakes with file, line and key.
 
