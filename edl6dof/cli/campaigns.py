@@ -62,6 +62,10 @@ def campaign(
     Afterwards: edl6dof report FOLDER, edl6dof refly FOLDER CASE.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof campaign tianwen1_mc -n 1000
+    edl6dof campaign --resume runs/tianwen1_mc
+    edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'
     """
     if scenario is None:
         words = "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign"
@@ -106,6 +110,9 @@ def refly(
     """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical to its row, 1 not, 2 bad input.
+
+    edl6dof refly runs/tianwen1_mc 17
+    edl6dof refly runs/tianwen1_mc --worst landing_distance_m
     """
     activate(folder)
     from edl6dof.api.campaign import refly_case, worst_case
@@ -199,6 +206,10 @@ def faults(
     Afterwards: edl6dof refly FOLDER CASE.
 
     Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof faults tianwen1
+    edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'
+    edl6dof faults tianwen1 --out runs/sensors --sensors
     """
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
@@ -240,6 +251,9 @@ def covariance(
     all at once; a twentieth of the flights of a campaign suffices for its ellipse and error budget.
 
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof covariance tianwen1_mc
+    edl6dof covariance tianwen1_mc --at touchdown
     """
     activate(campaign)
     from edl6dof.api.campaign import is_campaign
@@ -249,7 +263,7 @@ def covariance(
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
-    from edl6dof.cli.covariance_tables import show, show_alone, write_budget
+    from edl6dof.cli.analysis_tables import show_alone, show_covariance, write_budget
 
     event = figures_at(at)
     check_target(out, (".csv", ".png", ".pdf", ".svg"), force)
@@ -270,7 +284,7 @@ def covariance(
         began = time.perf_counter()
         found = fly_covariance(plan, event, pairs, workers, progress)
         took_s = time.perf_counter() - began
-    show(plan.name, at, found, sampled, took_s)
+    show_covariance(plan.name, at, found, sampled, took_s)
     if each:
         show_alone(fly_alone(plan, event, workers), event)
     if out is None or out.suffix == ".csv":
@@ -310,6 +324,9 @@ def rare(
     requirement is violated. The folder contains every flight, rare.html and the scenarios of the worst cases.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof rare tianwen1_mc requirements.yaml --requirement EDL-2
+    edl6dof rare tianwen1_mc --requirement touchdown_vertical_m_s -n 1000
     """
     activate(campaign)
     from edl6dof.api import functions
@@ -375,11 +392,14 @@ def margins(
     moments, and the limit cycle of an axis that rests within a deadband, predicted and flown.
 
     Exit status: 0 computed, 2 bad input or nothing could be written.
+
+    edl6dof margins tianwen1
+    edl6dof margins tianwen1_mc -n 10 --moments 1
     """
     activate(scenario)
     from edl6dof.api import functions
     from edl6dof.api.progress import count_runs
-    from edl6dof.cli.margins_table import show, write_rows
+    from edl6dof.cli.analysis_tables import show_margins, write_rows
 
     check_target(out, (".csv",), force)
     names = [name.strip() for name in phases.split(",") if name.strip()]
@@ -393,5 +413,5 @@ def margins(
             measure=measure,
             progress=progress,
         )
-    show(scenario, rows)
+    show_margins(scenario, rows)
     write_file(out, force, partial(write_rows, rows))

@@ -20,7 +20,6 @@ from edl6dof.cli.group import (
     Sets,
     argument,
     check_target,
-    examples,
     flag,
     option,
     write_file,
@@ -36,7 +35,7 @@ Name = Annotated[str, argument("NAME", "Name of the files, and of what is in the
 Force = Annotated[bool, flag("Replace existing files.", "--force")]
 
 
-@new.command("capsule", cls=Command, epilog=examples("new capsule"))
+@new.command("capsule", cls=Command)
 def new_capsule(
     name: Name,
     mass: Annotated[float, option("KG", "Mass at entry.", min=80.0, max=5_000.0)] = 300.0,
@@ -48,6 +47,9 @@ def new_capsule(
 
     Shape, inertia, centre of mass, thrust and parachute are scaled. It enters the atmosphere of Mars and
     opens its parachute.
+
+    edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8
+    edl6dof fly lander.yaml
     """
     if rcs % 2:
         raise refusal("--rcs", f"thrusters come in pairs: give an even number (got {rcs})")
@@ -60,19 +62,27 @@ def new_capsule(
     print(f"next: edl6dof fly {name}.yaml, edl6dof show {name}.yaml, edl6dof new campaign {name}.yaml")
 
 
-@new.command("law", cls=Command, epilog=examples("new law"))
+@new.command("law", cls=Command)
 def new_law(name: Name, force: Force = False) -> None:
-    """Write an entry guidance law, and a scenario that flies it."""
+    """Write an entry guidance law, and a scenario that flies it.
+
+    edl6dof new law my_law
+    edl6dof fly my_law.yaml
+    """
     _write_plugin("energy_law", name, force)
 
 
-@new.command("controller", cls=Command, epilog=examples("new controller"))
+@new.command("controller", cls=Command)
 def new_controller(name: Name, force: Force = False) -> None:
-    """Write an attitude controller, and a scenario that flies it."""
+    """Write an attitude controller, and a scenario that flies it.
+
+    edl6dof new controller my_controller
+    edl6dof fly my_controller.yaml
+    """
     _write_plugin("stop_rates", name, force)
 
 
-@new.command("campaign", cls=Command, epilog=examples("new campaign"))
+@new.command("campaign", cls=Command)
 def new_campaign(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     force: Force = False,
@@ -81,6 +91,9 @@ def new_campaign(
 
     Entry state, masses, aerodynamics, air and thrust vary. The file is SCENARIO_mc.yaml, or
     my_SCENARIO_mc.yaml where the package has a scenario of the first name.
+
+    edl6dof new campaign tianwen1
+    edl6dof campaign my_tianwen1_mc.yaml -n 100
     """
     activate(scenario)
     from edl6dof.config.document.locate import find_shipped
@@ -140,7 +153,7 @@ def _write(files: Mapping[Path, str], force: bool) -> None:
 design = typer.Typer(no_args_is_help=True, help="Design a part of a mission: its entry or landing.")
 
 
-@design.command("entry", cls=Command, epilog=examples("design entry"))
+@design.command("entry", cls=Command)
 def design_entry(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     sets: Sets = None,
@@ -164,6 +177,9 @@ def design_entry(
     profile changes by at most a quarter of the bank rate.
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof design entry msl --out plan.yaml
+    edl6dof design entry msl --minimise dispersion
     """
     activate(scenario)
     from edl6dof.cli.design_tables import goal_of, show
@@ -186,7 +202,7 @@ def design_entry(
     return NOT_WITHIN_LIMITS if found.broken else 0
 
 
-@design.command("landing", cls=Command, epilog=examples("design landing"))
+@design.command("landing", cls=Command)
 def design_landing(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     sets: Sets = None,
@@ -208,6 +224,8 @@ def design_landing(
 
     Exit status: 0 designed, 1 no landing within the limits or one that exceeds them on its way, 2 bad input,
     69 cvxpy is missing, 130 interrupted.
+
+    edl6dof design landing tianwen1 --divert-m 600 --figure landing.png
     """
     activate(scenario)
     check_target(out, (".csv",), force)
@@ -229,7 +247,7 @@ def design_landing(
     return design_landing_of(loaded, scenario, out, figure, force)
 
 
-@design.command("aim", cls=Command, epilog=examples("design aim"))
+@design.command("aim", cls=Command)
 def design_aim(
     scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
     site: Annotated[
@@ -254,6 +272,9 @@ def design_aim(
     site as it ends at the old one; then the scenario is flown with its guidance to both sites.
 
     Exit status: 0 reached and within limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof design aim tianwen1 --site 18.44 77.45 --out jezero.yaml
+    edl6dof design aim msl --site -5.4 137.8 --date 2031-01-28T12:00:00
     """
     activate(scenario)
     from edl6dof.cli.design_tables import show_aim

@@ -49,6 +49,12 @@ def fly(
 
     Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input,
     69 the viewer does not run here, 130 interrupted.
+
+    edl6dof fly tianwen1
+    edl6dof fly tianwen1 -v
+    edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350
+    edl6dof fly tianwen1 --out runs/first --save-state 300
+    edl6dof fly --from runs/first/state.npz --out runs/second
     """
     if save_state is not None and not (math.isfinite(save_state) and save_state >= 0.0):
         raise refusal("--save-state", f"must be a time in s, 0 or more (got {save_state:g})")
@@ -117,6 +123,9 @@ def check(
     Nothing is flown.
 
     Exit status: 0 no mistake, 2 mistakes.
+
+    edl6dof check my.yaml
+    edl6dof check my.yaml my_mc.yaml --set seed=3
     """
     activate(*files)
     from edl6dof.cli.inspection import check_files
@@ -133,6 +142,9 @@ def trust(
     It may then run on this account, until it changes.
 
     Exit status: 0 accepted, 1 not accepted, 2 bad input.
+
+    edl6dof trust my_law.py
+    edl6dof trust received/scenario.yaml
     """
     from edl6dof.cli.inspection import trust_plugins
 
@@ -149,6 +161,9 @@ def serve(
     The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
 
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
+
+    edl6dof serve tianwen1
+    edl6dof serve tianwen1_mc --port 4242
     """
     activate(scenario)
     from edl6dof.serve.flight_server import HOST, FlightServer
@@ -177,7 +192,11 @@ def scenarios(
         str | None, argument("SCENARIO", "Scenario whose file is printed; by default all are listed.")
     ] = None,
 ) -> None:
-    """List the shipped scenarios, or print the file of one."""
+    """List the shipped scenarios, or print the file of one.
+
+    edl6dof scenarios
+    edl6dof scenarios tianwen1 > mine.yaml
+    """
     from edl6dof.cli.inspection import list_scenarios
     from edl6dof.config.document.locate import resolve_scenario
 
@@ -208,6 +227,11 @@ def show(
     """Values of a scenario: unit, bounds, meaning, file and line.
 
     Parameters of its plugins are among them.
+
+    edl6dof show tianwen1 vehicle.parachutes.main
+    edl6dof show tianwen1 --diff tianwen1_hazards
+    edl6dof show tianwen1 --vehicle -o tianwen1.svg
+    edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1
     """
     activate(scenario, diff)
     from edl6dof.cli.inspection import show_differences, show_values, show_vehicle
@@ -228,7 +252,11 @@ def params(
     ] = "",
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
 ) -> None:
-    """List parameters: default, unit, bounds, meaning, status."""
+    """List parameters: default, unit, bounds, meaning, status.
+
+    edl6dof params vehicle.parachutes
+    edl6dof params bank_rate
+    """
     activate()
     from edl6dof.cli.inspection import show_params
 
@@ -239,7 +267,10 @@ def schema(
     scenario: Annotated[str | None, argument("SCENARIO", "Scenario whose plugins the files may use.")] = None,
     of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
 ) -> None:
-    """Print the JSON schema of scenario, vehicle or planet files."""
+    """Print the JSON schema of scenario, vehicle or planet files.
+
+    edl6dof schema > edl6dof.schema.json
+    """
     activate(scenario)
     from edl6dof.api.schema_files import SCHEMAS
 
@@ -258,6 +289,9 @@ def cache(
 
     It is compiled by the first flight of an installation, and named by a hash of its sources: it is never
     stale. Code that was not used for 30 days is removed automatically.
+
+    edl6dof cache
+    edl6dof cache --clear
     """
     from edl6dof.config.wording import counted
     from edl6dof.kernels.cache import folder
@@ -282,7 +316,10 @@ def _size(places: Sequence[Path]) -> str:
 
 
 def version() -> None:
-    """Print the version."""
+    """Print the version.
+
+    edl6dof version
+    """
     from edl6dof import __version__
 
     print(__version__)
