@@ -15,17 +15,8 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import (
-    INTERRUPTED,
-    Sets,
-    Workers,
-    argument,
-    check_target,
-    flag,
-    option,
-    refuse,
-    write_file,
-)
+from edl6dof.cli.group import INTERRUPTED, check_target, refuse, write_file
+from edl6dof.cli.options import Requirements, Sets, Workers, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Events for which flights may end at the deployment of the parachute.
@@ -301,10 +292,7 @@ def rare(
     requirement: Annotated[
         str, option("ID", "Requirement of the file, or figure that has a limit in the scenario.")
     ],
-    requirements: Annotated[
-        Path | None,
-        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
-    ] = None,
+    requirements: Requirements = None,
     sets: Sets = None,
     size: Annotated[
         int, option("N", "Flights of each level of a population.", "-n", "--size", min=20, max=100_000)

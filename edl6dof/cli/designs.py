@@ -13,17 +13,8 @@ from typing import Annotated
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import (
-    NOT_WITHIN_LIMITS,
-    UNAVAILABLE,
-    Command,
-    Sets,
-    argument,
-    check_target,
-    flag,
-    option,
-    write_file,
-)
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, UNAVAILABLE, Command, check_target, write_file
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 new = typer.Typer(no_args_is_help=True, help="Write files to start from, which fly as they are.")
@@ -33,6 +24,9 @@ new = typer.Typer(no_args_is_help=True, help="Write files to start from, which f
 HEAVIEST_KG_M2 = 160.0
 Name = Annotated[str, argument("NAME", "Name of the files, and of what is in them.")]
 Force = Annotated[bool, flag("Replace existing files.", "--force")]
+NewScenario = Annotated[
+    Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
+]
 
 
 @new.command("capsule", cls=Command)
@@ -84,7 +78,7 @@ def new_controller(name: Name, force: Force = False) -> None:
 
 @new.command("campaign", cls=Command)
 def new_campaign(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     force: Force = False,
 ) -> None:
     """Write a campaign that disperses a scenario.
@@ -155,7 +149,7 @@ design = typer.Typer(no_args_is_help=True, help="Design a part of a mission: its
 
 @design.command("entry", cls=Command)
 def design_entry(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     maximise: Annotated[str | None, option("WHAT", "parachute_altitude; the default.")] = None,
     minimise: Annotated[
@@ -165,9 +159,7 @@ def design_entry(
     reserve: Annotated[
         float, option("DEG", "Distance of the plan from the bank limits.", min=0.0, max=60.0)
     ] = 10.0,
-    out: Annotated[
-        Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
-    ] = None,
+    out: NewScenario = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
     """Optimise the bank profile of the planned entry.
@@ -204,7 +196,7 @@ def design_entry(
 
 @design.command("landing", cls=Command)
 def design_landing(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     divert_m: Annotated[
         float | None,
@@ -249,7 +241,7 @@ def design_landing(
 
 @design.command("aim", cls=Command)
 def design_aim(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     site: Annotated[
         tuple[float, float], option("LAT LON", "Geodetic latitude and east longitude of the site, deg.")
     ],
@@ -261,9 +253,7 @@ def design_aim(
     date: Annotated[
         str | None, option("UTC", "Date and time of the entry, such as 2031-01-28T12:00:00.")
     ] = None,
-    out: Annotated[
-        Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
-    ] = None,
+    out: NewScenario = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
     """Find the entry point that reaches another landing site.

@@ -7,7 +7,8 @@ from typing import Annotated
 
 from edl6dof.api import functions
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import NOT_WITHIN_LIMITS, Sets, argument, flag, option
+from edl6dof.cli.group import NOT_WITHIN_LIMITS
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Most flights that are accepted for means, and for each mission.
@@ -42,7 +43,7 @@ def verify(
 
 
 def figures(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     flights: Annotated[int | None, option("N", "Flights; 30 if not given.", "-n", "--flights")] = None,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,

@@ -1,4 +1,4 @@
-"""The group of all commands: how they are declared, help, examples, exit statuses and their messages."""
+"""The group of all commands: help, examples, exit statuses and their messages."""
 
 from __future__ import annotations
 
@@ -15,45 +15,12 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from edl6dof.api.arguments import naming_options
-from edl6dof.cli.completion import COMPLETIONS
 from edl6dof.config.errors import ConfigError, refusal
 
-#: The flight, or the result of flights, is not within its limits.
-NOT_WITHIN_LIMITS = 1
-#: The input cannot be used.
-BAD_INPUT = 2
-#: Something that the command needs is not on this machine (EX_UNAVAILABLE of sysexits.h).
-UNAVAILABLE = 69
-#: The program itself has a defect (EX_SOFTWARE of sysexits.h).
-DEFECT = 70
-#: Ctrl-C.
-INTERRUPTED = 130
+#: Exit statuses; 69 and 70 are those of sysexits.h, 130 is that of Ctrl-C.
+NOT_WITHIN_LIMITS, BAD_INPUT, UNAVAILABLE, DEFECT, INTERRUPTED = 1, 2, 69, 70, 130
 #: The reader of the output has closed it.
 BROKEN_PIPE = 141
-
-
-def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
-    """Declare an option with a value; ``names`` where they do not follow from the parameter."""
-    return typer.Option(
-        *names, metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar), **bounds
-    )
-
-
-def flag(meaning: str, *names: str) -> Any:
-    """Declare an option without a value."""
-    return typer.Option(*names, help=meaning)
-
-
-def argument(metavar: str, meaning: str) -> Any:
-    """Declare an argument."""
-    return typer.Argument(metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar))
-
-
-Sets = Annotated[
-    list[str] | None,
-    option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
-]
-Workers = Annotated[int | None, option("N", "Threads; all cores if not given.", "--workers", min=1, max=1024)]
 
 
 class Command(TyperCommand):

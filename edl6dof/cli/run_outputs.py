@@ -11,15 +11,8 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.group import (
-    NOT_WITHIN_LIMITS,
-    UNAVAILABLE,
-    argument,
-    check_target,
-    flag,
-    option,
-    refusing_damage,
-)
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, UNAVAILABLE, check_target, refusing_damage
+from edl6dof.cli.options import Requirements, argument, flag, option
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
@@ -129,10 +122,7 @@ def report(
 
 def assure(
     folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
-    requirements: Annotated[
-        Path | None,
-        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
-    ] = None,
+    requirements: Requirements = None,
     out: Annotated[
         Path | None, option("FILE", "Page to write: .html or .pdf; FOLDER/assurance.html if not given.")
     ] = None,

@@ -13,7 +13,8 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import UNAVAILABLE, Sets, argument, flag, option
+from edl6dof.cli.group import UNAVAILABLE
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 
@@ -207,7 +208,7 @@ def scenarios(
 
 
 def show(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     path: Annotated[
         str, argument("PATH", "Dotted path to begin at, such as vehicle.mass, or part of a name.")
     ] = "",
