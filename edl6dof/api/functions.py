@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
     from edl6dof.campaign.margins import AxisMargins
-    from edl6dof.campaign.margins import Progress as MarginsProgress
     from edl6dof.campaign.rare import Progress as RareProgress
     from edl6dof.campaign.rare import RareFailure
     from edl6dof.report.campaign.assurance import Assurance
@@ -88,25 +87,19 @@ def fly(
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     activate(scenario if isinstance(scenario, str | Path) else None)
     from edl6dof.api.flight import fly_loaded
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim import flight as sim
     from edl6dof.sim.checkpoint import State
 
     state = State.load(Path(start)) if isinstance(start, str | Path) else start
-    if scenario is not None:
-        loaded = _loaded(scenario, overrides)
-    elif state is not None:
+    if scenario is None and state is not None:
         loaded = sim.continue_from(state, texts(overrides))
-
+    elif isinstance(scenario, LoadedScenario) and not overrides:
+        loaded = scenario
+    elif scenario is not None:
+        loaded = load(scenario, overrides)
     options = {"start": state, "save_at_s": save_at_s, "progress": progress}
     return fly_loaded(loaded, out, replay=replay, force=force, **options)
-
-
-def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> LoadedScenario:
-    from edl6dof.scenario.loaded import LoadedScenario
-
-    if isinstance(scenario, LoadedScenario) and not overrides:
-        return scenario
-    return load(scenario, overrides)
 
 
 @naming_arguments()
@@ -252,7 +245,7 @@ def margins(
     vehicles: int = 0,
     seed: int | None = None,
     measure: bool = False,
-    progress: MarginsProgress | None = None,
+    progress: Progress | None = None,
 ) -> list[AxisMargins]:
     """Compute margins and limit cycles of the attitude loops, as ``edl6dof margins`` does; return a row for
     each phase that is flown and each axis.
