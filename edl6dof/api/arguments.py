@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from dataclasses import replace
 from importlib import import_module
 from os import PathLike, fspath
-from pathlib import Path, PurePath
+from pathlib import PurePath
 from typing import Any
 
 from edl6dof.config.errors import ConfigError, Problem
@@ -73,12 +73,6 @@ def argument(place: str, names: dict[str, str]) -> str:
     return ", ".join(names.get(word, word) for word in words)
 
 
-def extends_name(scenario: str) -> str:
-    """Value of ``extends`` for a scenario: the whole path of a file, or the name of a shipped one."""
-    file = Path(scenario)
-    return str(file.resolve()) if file.is_file() else scenario
-
-
 #: Texts ``"dotted.path=value"``; or data by dotted path, or nested as in a scenario file.
 Overrides = Iterable[str] | Mapping[str, Any]
 
@@ -122,6 +116,11 @@ def named(scenario: Any, overrides: Overrides = ()) -> tuple[str, tuple[str, ...
     raise TypeError(
         f"a scenario is a file or a name, such as 'tianwen1', or edl6dof.Scenario (got {scenario!r})"
     )
+
+
+def listed(names: str | float | Iterable[str | float]) -> str:
+    """Return names or times as a text with commas."""
+    return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))
 
 
 def _leaves(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os.path import lexists
@@ -20,6 +20,7 @@ from edl6dof.campaign import run
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.engines import Engine, Threads, dask_engine
 from edl6dof.campaign.executor import BELIEF, TRUTH, CaseRunner
+from edl6dof.campaign.fault_choice import FaultRequest, faults_plan
 from edl6dof.campaign.run import case_scenario, differences
 from edl6dof.campaign.statistics import SHARES, Quantile, Until, quantile
 from edl6dof.campaign.store import Store, Summary
@@ -216,45 +217,17 @@ def refly_case(plan: Plan, table: pa.Table, place: object, number: int) -> Fligh
     return flight
 
 
-@dataclass(frozen=True)
-class EngineChoice:
-    """Choice of an engine: one of :data:`ENGINES`, number of workers, and address of a Dask scheduler."""
-
-    name: str = "threads"
-    workers: int | None = None
-    cluster: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.name not in ENGINES:
-            raise refusal("--engine", f"must be threads or dask (got {self.name!r})")
-        if self.cluster is not None and self.name != "dask":
-            raise refusal("--cluster", "needs --engine dask")
-        if self.workers is not None and not 1 <= self.workers <= MOST_WORKERS:
-            raise refusal("--workers", f"must be 1 .. {MOST_WORKERS} (got {self.workers})")
-
-    @contextmanager
-    def start(self) -> Iterator[Engine]:
-        """Start the engine for the duration of the block."""
-        if self.name == "threads":
-            yield Threads(self.workers)
-            return
-        try:
-            with dask_engine(self.cluster, self.workers) as engine:
-                yield engine
-        except ImportError:
-            raise refusal("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
-
-
-def check_until(until: str | None, plan: Plan | None = None) -> None:
-    """Refuse a condition for an early stop that is not possible."""
-    if until is None:
-        return
-    try:
-        Until.parse(until)
-    except ValueError as error:
-        raise refusal("--until", str(error)) from None
-    if plan is not None and plan.saltelli is not None:
-        raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
+def chosen_engine(
+    name: str = "threads", workers: int | None = None, cluster: str | None = None
+) -> AbstractContextManager[Engine]:
+    """Return one of :data:`ENGINES`, which runs in a block; ``cluster``: address of a Dask scheduler."""
+    if name not in ENGINES:
+        raise refusal("--engine", f"must be threads or dask (got {name!r})")
+    if cluster is not None and name != "dask":
+        raise refusal("--cluster", "needs --engine dask")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise refusal("--workers", f"must be 1 .. {MOST_WORKERS} (got {workers})")
+    return dask_engine(cluster, workers) if name == "dask" else nullcontext(Threads(workers))
 
 
 @dataclass(frozen=True)
@@ -269,7 +242,7 @@ class Job:
     """
 
     store: Store
-    engine: EngineChoice
+    engine: AbstractContextManager[Engine]
     plan: Plan | None = None
     until: str | None = None
     force: bool = False
@@ -291,7 +264,7 @@ class Job:
                     return plan
             else:
                 store.check_new(self.force)
-            with self.engine.start() as engine:  # before anything is replaced: it may not be there
+            with self.engine as engine:  # before anything is replaced: it may not be there
                 if self.plan is not None:
                     run.begin(plan, store, self.until, self.force)
                 if not is_compiled():  # before anything flies in parallel: two processes would do it twice
@@ -315,7 +288,7 @@ def campaign_job(
     scenario: str,
     sets: Sequence[str],
     drawn: tuple[int | None, int | None, str | None],
-    engine: EngineChoice,
+    engine: AbstractContextManager[Engine],
     until: str | None,
     *,
     out: str | Path | None,
@@ -323,33 +296,59 @@ def campaign_job(
     resume: bool,
 ) -> Job:
     """Prepare a campaign; ``drawn``: cases, seed and sampling, see :func:`edl6dof.campaign`."""
-    check_until(until)
+    if until is not None:
+        try:
+            Until.parse(until)
+        except ValueError as error:
+            raise refusal("--until", str(error)) from None
     if resume and (is_campaign(scenario) or Path(scenario).is_dir()):
-        require_no_values(scenario, sets, *drawn)
-        return Job(Store(Path(scenario)), engine)
+        return _continued(scenario, engine, sets, *drawn)
     plan = load_plan(scenario, tuple(sets), *drawn)
-    check_until(until, plan)
-    store = Store(Path(out or Path("runs") / plan.name))
-    return resumed_job(store, engine, plan) if resume else Job(store, engine, plan, until, force)
+    if until is not None and plan.saltelli is not None:
+        raise refusal("--until", "sobol_indices flies its whole design: its flights are not independent")
+    job = Job(Store(Path(out or Path("runs") / plan.name)), engine, plan, until, force)
+    return _resumed(job, plan, "campaign") if resume else job
 
 
-def resumed_job(store: Store, engine: EngineChoice, plan: Plan, command: str = "campaign") -> Job:
-    """Prepare the missing cases of a folder; refuse one that was begun with another plan."""
-    if plan.text != store.plan_text:
-        how = f"go on with it by: edl6dof {command} {store.folder} --resume"
-        raise refusal(store.folder, f"was begun with another plan; {how}")
-    return Job(store, engine)
+def faults_job(
+    scenario: str,
+    sets: Sequence[str],
+    request: FaultRequest,
+    drawn: tuple[int | None, int | None],
+    engine: AbstractContextManager[Engine],
+    *,
+    out: str | Path | None,
+    force: bool,
+    resume: bool = False,
+) -> Job:
+    """Prepare a matrix of faults; ``drawn``: vehicles and seed, see :func:`edl6dof.faults`."""
+    if resume and is_campaign(scenario):
+        return _continued(scenario, engine, *request, sets, *drawn)
+    plan = faults_plan(scenario, sets, request, *drawn)
+    name = f"{'sensor-faults' if request.sensors else 'faults'}-{plan.name}"
+    job = Job(Store(Path(out or Path("runs") / name)), engine, plan, force=force)
+    return _resumed(job, plan, "faults") if resume else job
 
 
-def is_campaign(operand: str) -> bool:
-    """Return True if an operand is the folder of a campaign."""
-    return lexists(Path(operand) / "campaign.json")
-
-
-def require_no_values(folder: str, *values: object) -> None:
-    """Refuse values that would change the campaign of a folder that is resumed."""
+def _continued(folder: str, engine: AbstractContextManager[Engine], *values: object) -> Job:
+    """Prepare the missing cases of a folder; refuse ``values`` that would change its plan."""
     if any(not (value is None or value is False or value in ("", ())) for value in values):
         raise refusal(folder, "has its plan; it accepts no other values when it is resumed")
+    return Job(Store(Path(folder)), engine)
+
+
+def _resumed(job: Job, plan: Plan, command: str) -> Job:
+    """Prepare the missing cases of a folder; refuse one that was begun with another plan."""
+    folder = job.store.folder
+    if plan.text != job.store.plan_text:
+        how = f"go on with it by: edl6dof {command} {folder} --resume"
+        raise refusal(folder, f"was begun with another plan; {how}")
+    return Job(job.store, job.engine)
+
+
+def is_campaign(operand: str | Path) -> bool:
+    """Return True if an operand is the folder of a campaign."""
+    return lexists(Path(operand) / "campaign.json")
 
 
 def open_campaign(folder: Path) -> CampaignResult:

@@ -251,11 +251,7 @@ class RecordedFlight(FlightResults):
 def fly_loaded(
     loaded: LoadedScenario, out: str | Path | None, *, replay: bool, force: bool, **options: Any
 ) -> Flight:
-    """Fly a scenario, into a folder or into memory; ``options`` as for :func:`edl6dof.sim.flight.fly`.
-
-    Raises:
-        ConfigError: the folder exists and must not be replaced, or cannot be written.
-    """
+    """Fly a scenario, into a folder or into memory; ``options`` as for :func:`edl6dof.sim.flight.fly`."""
 
     def flown() -> Flight:
         return Flight.of(sim.fly(loaded, **options))
@@ -308,10 +304,8 @@ def channels_figure(
 def _html(flight: _Flight) -> str:
     """Return a flight as self-contained HTML."""
     colour = _GOOD if flight.success else _BAD
-    head = (
-        f'<p><b>{escape(flight.name)}</b>: <span style="color:{colour}">{escape(flight.outcome)}</span> '
-        f"at t = {flight.time_s:.1f} s</p>"
-    )
+    outcome = f'<span style="color:{colour}">{escape(flight.outcome)}</span>'
+    head = f"<p><b>{escape(flight.name)}</b>: {outcome} at t = {flight.time_s:.1f} s</p>"
     formats = {"height_m": ",.0f", "speed_m_s": ",.1f", "mach": ".2f"}
     events = [
         (f"{event['t_s']:.2f}", str(event["name"]), *(_number(event[key], formats[key]) for key in formats))

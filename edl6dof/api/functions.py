@@ -13,7 +13,7 @@ from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from edl6dof.api.arguments import Overrides, extends_name, named, naming_arguments, texts
+from edl6dof.api.arguments import Overrides, listed, named, naming_arguments, texts
 
 if TYPE_CHECKING:
     from edl6dof.api.campaign import CampaignResult, Progress
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from edl6dof.api.scenario import Scenario
     from edl6dof.calibration.findings import Findings
     from edl6dof.campaign.margins import AxisMargins
-    from edl6dof.campaign.margins import Progress as MarginsProgress
     from edl6dof.campaign.rare import Progress as RareProgress
     from edl6dof.campaign.rare import RareFailure
     from edl6dof.report.campaign.assurance import Assurance
@@ -88,25 +87,19 @@ def fly(
         raise TypeError("name a scenario, such as 'tianwen1', or go on from a saved state with start=")
     activate(scenario if isinstance(scenario, str | Path) else None)
     from edl6dof.api.flight import fly_loaded
+    from edl6dof.scenario.loaded import LoadedScenario
     from edl6dof.sim import flight as sim
     from edl6dof.sim.checkpoint import State
 
     state = State.load(Path(start)) if isinstance(start, str | Path) else start
-    if scenario is not None:
-        loaded = _loaded(scenario, overrides)
-    elif state is not None:
+    if scenario is None and state is not None:
         loaded = sim.continue_from(state, texts(overrides))
-
+    elif isinstance(scenario, LoadedScenario) and not overrides:
+        loaded = scenario
+    elif scenario is not None:
+        loaded = load(scenario, overrides)
     options = {"start": state, "save_at_s": save_at_s, "progress": progress}
     return fly_loaded(loaded, out, replay=replay, force=force, **options)
-
-
-def _loaded(scenario: LoadedScenario | str | Path, overrides: Overrides) -> LoadedScenario:
-    from edl6dof.scenario.loaded import LoadedScenario
-
-    if isinstance(scenario, LoadedScenario) and not overrides:
-        return scenario
-    return load(scenario, overrides)
 
 
 @naming_arguments()
@@ -252,7 +245,7 @@ def margins(
     vehicles: int = 0,
     seed: int | None = None,
     measure: bool = False,
-    progress: MarginsProgress | None = None,
+    progress: Progress | None = None,
 ) -> list[AxisMargins]:
     """Compute margins and limit cycles of the attitude loops, as ``edl6dof margins`` does; return a row for
     each phase that is flown and each axis.
@@ -325,23 +318,14 @@ def replay(
     folders = [_folder_of(run) for run in runs]
     if folders[0].is_dir():  # where it is a campaign, its cases are flown again: it keeps no trajectories
         activate(folders[0])
-    from edl6dof.api.replays import Film, show_replay
+    from edl6dof.api.replays import Wanted, show_replay
     from edl6dof.runs.files import needing_channels
 
     html, screenshot, video = (None if path is None else Path(path) for path in (html, screenshot, video))
-    film = Film(video, start_s, end_s, length_s, fps)
+    film = start_s, end_s, length_s, fps
+    wanted = Wanted(html, screenshot, video, web, at_s, page, case, *film, force)
     with needing_channels(*folders):
-        return show_replay(
-            folders,
-            film,
-            web=web,
-            html=html,
-            screenshot=screenshot,
-            at_s=at_s,
-            page=page,
-            case=case,
-            force=force,
-        )
+        return show_replay(folders, wanted)
 
 
 def _folder_of(run: str | Path | Flight | RecordedFlight | CampaignResult) -> Path:
@@ -403,9 +387,9 @@ def campaign(
     """
     name, sets = named(scenario, overrides)
     activate(name)
-    from edl6dof.api.campaign import EngineChoice, campaign_job
+    from edl6dof.api.campaign import campaign_job, chosen_engine
 
-    drawn, flying = (cases, seed, sampling), EngineChoice(engine, workers, cluster)
+    drawn, flying = (cases, seed, sampling), chosen_engine(engine, workers, cluster)
     job = campaign_job(name, sets, drawn, flying, until, out=out, force=force, resume=resume)
     return job.result(progress, in_memory=out is None and not resume)
 
@@ -455,17 +439,14 @@ def faults(
     """
     name, sets = named(scenario, overrides)
     activate(name)
-    from edl6dof.api.campaign import EngineChoice, Job
-    from edl6dof.api.fault_choice import FaultRequest, faults_plan, listed
-    from edl6dof.campaign.store import Store
+    from edl6dof.api.campaign import chosen_engine, faults_job
+    from edl6dof.campaign.fault_choice import FaultRequest
 
     what, where, when = listed(kinds), listed(components), listed(phases)
-    moments = None if at is None else listed(at)
-    request = FaultRequest(
-        sensors, what, where, pairs, phases=when, after_s=after_s, at=moments, settings=dumps(settings or {})
-    )
-    plan = faults_plan(name, sets, request, vehicles, seed)
-    job = Job(Store(Path(out or "")), EngineChoice(workers=workers), plan, force=force)
+    moments, keys = None if at is None else listed(at), dumps(settings or {})
+    request = FaultRequest(sensors, what, where, pairs, when, after_s, moments, keys)
+    engine = chosen_engine(workers=workers)
+    job = faults_job(name, sets, request, (vehicles, seed), engine, out=out, force=force)
     return job.result(progress, in_memory=out is None)
 
 
@@ -553,6 +534,7 @@ def _write_findings(
 ) -> None:
     """Write ``summary.json`` and the scenario with the values found, each marked by the command."""
     from edl6dof.calibration.findings import overlay_text, plain, rounded
+    from edl6dof.config.document.locate import extends_name
     from edl6dof.config.dump import json_text
     from edl6dof.report.document import significant
 

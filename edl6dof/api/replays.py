@@ -5,14 +5,13 @@ from __future__ import annotations
 import signal
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from os.path import lexists
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from edl6dof.api.campaign import refly_case
+from edl6dof.api.campaign import is_campaign, refly_case
 from edl6dof.api.flight import REPLAY, RecordedFlight
 from edl6dof.api.progress import count_runs
 from edl6dof.campaign.design.plan import Plan
@@ -47,52 +46,52 @@ MOST_WORST = 6
 FPS = 30.0
 
 
-class Film(NamedTuple):
-    """A film to write: file (``None`` for none), first and last time (s), length (s), frames per second."""
+class Wanted(NamedTuple):
+    """Arguments of :func:`edl6dof.replay`: the files to write first, ``None`` for none."""
 
-    file: Path | None
+    html: Path | None
+    screenshot: Path | None
+    video: Path | None
+    web: bool
+    at_s: float | None
+    page: str
+    case: int | None
     start_s: float | None
     end_s: float | None
     length_s: float | None
     fps: float
-
-    def cut(self, flight: History) -> Cut:
-        """Return the part of the flight to film, by default all of it."""
-        span = float(flight.t[0]), float(flight.t[-1])
-        first = _time(span, "--from", span[0] if self.start_s is None else self.start_s)
-        last = _time(span, "--to", self.end_s)
-        if first >= last:
-            raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
-        return Cut(first, last, self.length_s, self.fps)
+    force: bool
 
 
-def show_replay(
-    runs: Sequence[Path],
-    video: Film,
-    *,
-    web: bool,
-    html: Path | None,
-    screenshot: Path | None,
-    at_s: float | None,
-    page: str,
-    case: int | None,
-    force: bool,
-) -> list[Path]:
-    """Show a replay or write it; return the paths written.  See :func:`edl6dof.replay` for the arguments.
+def show_replay(runs: Sequence[Path], wanted: Wanted) -> list[Path]:
+    """Show a replay or write it; return the paths written.
 
     Raises:
         ConfigError: the options exclude each other, or name no replay.
         ViewerFailed, NoFilm: the viewer, or the encoder of films, does not run on this machine.
     """
-    targets = [path for path in (html, screenshot, video.file) if path is not None]
+    targets = [path for path in (wanted.html, wanted.screenshot, wanted.video) if path is not None]
     for path in targets:
-        refuse_existing_file(path, force, runs[0])
-    if at_s is not None and screenshot is None:
+        refuse_existing_file(path, wanted.force, runs[0])
+    _check(runs, wanted)
+    with ended_by_signals():
+        if wanted.video is not None:
+            _write_film(runs, wanted.video, wanted)
+        if targets != [wanted.video]:
+            _show(runs, wanted)
+    return targets
+
+
+def _check(runs: Sequence[Path], wanted: Wanted) -> None:
+    """Refuse arguments that exclude each other, or name no replay."""
+    video, page = wanted.video, wanted.page
+    if wanted.at_s is not None and wanted.screenshot is None:
         raise refusal("--at", "is the time of a picture; name its file with --screenshot FILE")
-    if video.file is None and video[1:] != (None, None, None, FPS):
+    of_film = (wanted.start_s, wanted.end_s, wanted.length_s, wanted.fps)
+    if video is None and of_film != (None, None, None, FPS):
         raise refusal("--from, --to, --length, --fps", "are of a film; name its file with --video FILE")
-    if video.file is not None and video.file.suffix.lower() != ".mp4":
-        raise refusal(video.file, "is no name of a film; films are written as .mp4")
+    if video is not None and video.suffix.lower() != ".mp4":
+        raise refusal(video, "is no name of a film; films are written as .mp4")
     if page and runs[0].is_file():
         raise refusal("--page, --tour", "need the folder of a run; a recording opens as it was arranged")
     if page not in ("", *TITLES):
@@ -100,58 +99,40 @@ def show_replay(
     for run in runs:
         if not run.exists():
             raise refusal(run, "no such replay; name the folder of a run, or its recording")
-    if video.file is not None and page:
+    if video is not None and page:
         raise refusal("--page, --tour", "are of the viewer; a film has shots of its own")
-    with ended_by_signals():
-        if video.file is not None:
-            _write_film(runs, video.file, video, case, force)
-        if video.file is None or html is not None or screenshot is not None:
-            _show(
-                runs, web=web, html=html, screenshot=screenshot, at_s=at_s, page=page, case=case, force=force
-            )
-    return targets
 
 
-def _show(
-    runs: Sequence[Path],
-    *,
-    web: bool,
-    html: Path | None,
-    screenshot: Path | None,
-    at_s: float | None,
-    page: str,
-    case: int | None,
-    force: bool,
-) -> None:
+def _show(runs: Sequence[Path], wanted: Wanted) -> None:
     """Show a recording, or write the page and the picture of it."""
-    bare = html is None and screenshot is not None and page == TOUR
-    with _recording(runs, page, case, bare) as recording:
+    html, screenshot, force = wanted.html, wanted.screenshot, wanted.force
+    bare = html is None and screenshot is not None and wanted.page == TOUR
+    with _recording(runs, wanted.page, wanted.case, bare) as recording:
         title = f"edl6dof replay: {', '.join(distinct_names(runs))}"
         if screenshot is not None:
             with atomic_file(screenshot, force, runs[0]) as partial:
-                viewer.screenshot(recording, partial, _time(recorded_span(recording), "--at", at_s))
+                viewer.screenshot(recording, partial, _time(recorded_span(recording), "--at", wanted.at_s))
         if html is not None:
             with atomic_file(html, force, runs[0]) as partial:
                 partial.write_bytes(browser.page(recording, title))
         if html is None and screenshot is None:
-            if web:
+            if wanted.web:
                 browser.serve(browser.page(recording, title))
             else:
                 viewer.show(recording)
 
 
-def _write_film(runs: Sequence[Path], file: Path, video: Film, case: int | None, force: bool) -> None:
+def _write_film(runs: Sequence[Path], file: Path, wanted: Wanted) -> None:
     """Write the film of one flight: of a run, of a case of a campaign, or of its nominal flight."""
     encoder()  # both before the flight is read
     require_graphics()
-    flight = _filmed(runs, case)
-    cut = video.cut(flight)
-    with atomic_file(file, force, runs[0]) as partial, count_runs("frames") as progress:
+    flight = _filmed(runs, wanted.case)
+    cut = _cut(flight, wanted)
+    with atomic_file(file, wanted.force, runs[0]) as partial, count_runs("frames") as progress:
         film(flight, partial, cut, progress)
 
 
 def _filmed(runs: Sequence[Path], case: int | None) -> History:
-    """Return the flight of a film."""
     alone, *others = runs
     if others or alone.is_file():
         raise refusal("--video", "shows one flight; name the folder of one run or campaign")
@@ -161,6 +142,16 @@ def _filmed(runs: Sequence[Path], case: int | None) -> History:
     if not len(found.t):
         raise refusal(alone, "no row of the telemetry can be drawn")
     return found
+
+
+def _cut(flight: History, wanted: Wanted) -> Cut:
+    """Return the part of the flight to film, by default all of it."""
+    span = float(flight.t[0]), float(flight.t[-1])
+    first = _time(span, "--from", span[0] if wanted.start_s is None else wanted.start_s)
+    last = _time(span, "--to", wanted.end_s)
+    if first >= last:
+        raise refusal("--to", f"{last:g} s is not after the film's first time, {first:g} s")
+    return Cut(first, last, wanted.length_s, wanted.fps)
 
 
 @contextmanager
@@ -219,7 +210,7 @@ def _recording(
 
 def _plan(folder: Path, case: int | None) -> Plan | None:
     """Return the plan of a campaign; ``None`` for a run, of which no case can be named."""
-    plan = resumed_plan(Store(folder)) if lexists(folder / "campaign.json") else None
+    plan = resumed_plan(Store(folder)) if is_campaign(folder) else None
     if case is not None and plan is None:
         raise refusal("--case", f"needs the folder of a campaign, named first (got {folder})")
     return plan

@@ -18,6 +18,7 @@ from edl6dof.campaign.executor import CaseRunner, Row, available_cores
 from edl6dof.campaign.fault_response import collected
 from edl6dof.campaign.identity import changed_files, compared, differences_from, identity
 from edl6dof.campaign.store import Identity
+from edl6dof.config.errors import refusal
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -108,12 +109,14 @@ def dask_engine(address: str | None, workers: int | None) -> Iterator[Dask]:
     reach.
 
     Raises:
-        ImportError: Dask is not installed.
+        ConfigError: Dask is not installed.
         OSError: no scheduler answers.
     """
-    import dask
-    from distributed import Client, LocalCluster
-
+    try:
+        import dask
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise refusal("--engine", "Dask is not installed; try: pip install 'edl6dof[dask]'") from None
     # errors of these modules are reported by this function, in one line
     for name in ("distributed.batched", "distributed.client", "distributed.nanny", "asyncio"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -10,20 +10,9 @@ from collections.abc import Callable
 from edl6dof.cli.campaigns import campaign, covariance, faults, margins, rare, refly
 from edl6dof.cli.designs import design, new
 from edl6dof.cli.evidence import calibrate, figures, study, validate, verify
-from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app, examples
+from edl6dof.cli.group import BAD_INPUT, DEFECT, Command, app
 from edl6dof.cli.run_outputs import assure, compare, export, plot, replay, report
-from edl6dof.cli.scenarios import (
-    cache,
-    check,
-    fly,
-    params,
-    scenarios,
-    schema,
-    serve,
-    show,
-    trust,
-    version,
-)
+from edl6dof.cli.scenarios import cache, check, fly, params, scenarios, schema, serve, show, trust, version
 
 #: By the title of their part of the help.
 COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {
@@ -35,7 +24,7 @@ COMMANDS: dict[str, tuple[Callable[..., int | None], ...]] = {
 }
 for title, commands in COMMANDS.items():
     for command in commands:
-        app.command(cls=Command, epilog=examples(command.__name__), rich_help_panel=title)(command)
+        app.command(cls=Command, rich_help_panel=title)(command)
 app.add_typer(new, name="new", rich_help_panel="Scenarios")
 app.add_typer(design, name="design", rich_help_panel="Scenarios")
 

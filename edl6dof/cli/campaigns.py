@@ -8,14 +8,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from os.path import lexists
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import INTERRUPTED, Sets, Workers, argument, check_target, flag, option, refuse
+from edl6dof.cli.group import INTERRUPTED, check_target, refuse, write_file
+from edl6dof.cli.options import Requirements, Sets, Workers, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Events for which flights may end at the deployment of the parachute.
@@ -52,16 +53,20 @@ def campaign(
     Afterwards: edl6dof report FOLDER, edl6dof refly FOLDER CASE.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof campaign tianwen1_mc -n 1000
+    edl6dof campaign --resume runs/tianwen1_mc
+    edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'
     """
     if scenario is None:
         words = "name a campaign file, such as tianwen1_mc, or with --resume the folder of a campaign"
         raise refusal("edl6dof campaign", words)
     activate(scenario)
     with _keeping("campaign", scenario, out, resume):
-        from edl6dof.api.campaign import EngineChoice, campaign_job
+        from edl6dof.api.campaign import campaign_job, chosen_engine
         from edl6dof.cli.campaign_flight import fly_campaign
 
-        flying, drawn = EngineChoice(engine, workers, cluster), (cases, seed, sampling)
+        flying, drawn = chosen_engine(engine, workers, cluster), (cases, seed, sampling)
         changes = tuple(sets or ())
         job = campaign_job(scenario, changes, drawn, flying, until, out=out, force=force, resume=resume)
         return fly_campaign(job, quiet=quiet, as_json=as_json)
@@ -96,6 +101,9 @@ def refly(
     """Fly one case of a campaign again, with all its telemetry.
 
     Exit status: 0 identical to its row, 1 not, 2 bad input.
+
+    edl6dof refly runs/tianwen1_mc 17
+    edl6dof refly runs/tianwen1_mc --worst landing_distance_m
     """
     activate(folder)
     from edl6dof.api.campaign import refly_case, worst_case
@@ -113,13 +121,8 @@ def refly(
     table = store.table()
     number = worst_case(table, worst) if worst is not None else case or 0
     target = out or default_folder(f"{folder.resolve().name}_case{number}", force)
-    flight = flown_into(
-        target,
-        lambda: refly_case(plan, table, folder, number),
-        replay=replay,
-        force=force,
-        release=True,
-    )
+    again = partial(refly_case, plan, table, folder, number)
+    flight = flown_into(target, again, replay=replay, force=force, release=True)
     print(f"{target}: case {number}, {flight.outcome}")
     if worst is not None and (value := flight.figures.get(worst)) is not None:
         figure = figure_of_merit(worst)
@@ -139,10 +142,7 @@ def faults(
         str,
         argument("SCENARIO", "Scenario, tianwen1 if not given; with --resume also the folder of a matrix."),
     ] = "tianwen1",
-    sensors: Annotated[
-        bool,
-        flag("Faults of every instrument instead of thrusters.", "--sensors"),
-    ] = False,
+    sensors: Annotated[bool, flag("Faults of every instrument instead of thrusters.", "--sensors")] = False,
     kinds: Annotated[
         str,
         option(
@@ -173,8 +173,7 @@ def faults(
         float | None, option("S", "Time from the start of the phase to the fault; 1 s if not given.")
     ] = None,
     settings: Annotated[
-        str,
-        option("YAML", "Other keys of each fault, as under faults:, such as 'duration_s: 20'.", "--with"),
+        str, option("YAML", "Other keys of each fault, as under faults:, such as 'duration_s: 20'.", "--with")
     ] = "",
     sets: Sets = None,
     vehicles: Annotated[
@@ -198,28 +197,20 @@ def faults(
     Afterwards: edl6dof refly FOLDER CASE.
 
     Exit status: 0 all within limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof faults tianwen1
+    edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'
+    edl6dof faults tianwen1 --out runs/sensors --sensors
     """
     activate(scenario)
     with _keeping("faults", scenario, out, resume):
-        from edl6dof.api import campaign as api
-        from edl6dof.api.fault_choice import FaultRequest, faults_plan
-        from edl6dof.campaign.store import Store
+        from edl6dof.api.campaign import chosen_engine, faults_job
+        from edl6dof.campaign.fault_choice import FaultRequest
         from edl6dof.cli.campaign_flight import fly_campaign
 
-        engine = api.EngineChoice(workers=workers)
-        request = FaultRequest(
-            sensors, kinds, components, pairs, phases=phases, after_s=after, at=at, settings=settings
-        )
-        if resume and api.is_campaign(scenario):
-            api.require_no_values(scenario, *request, sets, vehicles, seed)
-            job = api.Job(Store(Path(scenario)), engine)
-        else:
-            plan = faults_plan(scenario, tuple(sets or ()), request, vehicles, seed)
-            name = f"{'sensor-faults' if sensors else 'faults'}-{plan.name}"
-            store = Store(out or Path("runs") / name)
-            job = api.Job(store, engine, plan, force=force)
-            if resume:
-                job = api.resumed_job(store, engine, plan, "faults")
+        request = FaultRequest(sensors, kinds, components, pairs, phases, after, at, settings)
+        changes, drawn, engine = tuple(sets or ()), (vehicles, seed), chosen_engine(workers=workers)
+        job = faults_job(scenario, changes, request, drawn, engine, out=out, force=force, resume=resume)
         return fly_campaign(job, command="faults", as_json=as_json)
 
 
@@ -251,21 +242,24 @@ def covariance(
     all at once; a twentieth of the flights of a campaign suffices for its ellipse and error budget.
 
     Exit status: 0 formed, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof covariance tianwen1_mc
+    edl6dof covariance tianwen1_mc --at touchdown
     """
     activate(campaign)
+    from edl6dof.api.campaign import is_campaign
     from edl6dof.api.progress import count_runs
     from edl6dof.campaign.covariance_estimate import flown, fly_alone, fly_covariance
     from edl6dof.campaign.covariance_flights import ending_at_deployment, figures_at
     from edl6dof.campaign.design.plan import load_plan
     from edl6dof.campaign.run import resumed_plan
     from edl6dof.campaign.store import Store
-    from edl6dof.cli.covariance_tables import show, show_alone, write_budget
-    from edl6dof.runs.files import atomic_file
+    from edl6dof.cli.analysis_tables import show_alone, show_covariance, write_budget
 
     event = figures_at(at)
     check_target(out, (".csv", ".png", ".pdf", ".svg"), force)
     folder, sampled = Path(campaign), None
-    if not lexists(folder / "campaign.json"):
+    if not is_campaign(folder):
         plan = load_plan(campaign, tuple(sets or ()), seed=seed)
     elif sets:
         raise refusal(folder, "has its plan; its covariance accepts no other values")
@@ -281,19 +275,16 @@ def covariance(
         began = time.perf_counter()
         found = fly_covariance(plan, event, pairs, workers, progress)
         took_s = time.perf_counter() - began
-    show(plan.name, at, found, sampled, took_s)
+    show_covariance(plan.name, at, found, sampled, took_s)
     if each:
         show_alone(fly_alone(plan, event, workers), event)
-    if out is not None:
-        with atomic_file(out, force) as partial:
-            if out.suffix == ".csv":
-                write_budget(found, partial)
-            else:
-                from edl6dof.report.campaign.footprint import ellipse_figure
-                from edl6dof.report.matplotlib_figure import write_figure
+    if out is None or out.suffix == ".csv":
+        write_file(out, force, partial(write_budget, found))
+    else:
+        from edl6dof.report.campaign.footprint import ellipse_figure
+        from edl6dof.report.matplotlib_figure import write_figure
 
-                write_figure(ellipse_figure(f"{plan.name}, {at}", found, sampled), partial)
-        print(out)
+        write_file(out, force, partial(write_figure, ellipse_figure(f"{plan.name}, {at}", found, sampled)))
 
 
 def rare(
@@ -301,10 +292,7 @@ def rare(
     requirement: Annotated[
         str, option("ID", "Requirement of the file, or figure that has a limit in the scenario.")
     ],
-    requirements: Annotated[
-        Path | None,
-        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
-    ] = None,
+    requirements: Requirements = None,
     sets: Sets = None,
     size: Annotated[
         int, option("N", "Flights of each level of a population.", "-n", "--size", min=20, max=100_000)
@@ -324,6 +312,9 @@ def rare(
     requirement is violated. The folder contains every flight, rare.html and the scenarios of the worst cases.
 
     Exit status: 0 finished, 2 bad input or nothing could be written, 130 interrupted.
+
+    edl6dof rare tianwen1_mc requirements.yaml --requirement EDL-2
+    edl6dof rare tianwen1_mc --requirement touchdown_vertical_m_s -n 1000
     """
     activate(campaign)
     from edl6dof.api import functions
@@ -389,12 +380,14 @@ def margins(
     moments, and the limit cycle of an axis that rests within a deadband, predicted and flown.
 
     Exit status: 0 computed, 2 bad input or nothing could be written.
+
+    edl6dof margins tianwen1
+    edl6dof margins tianwen1_mc -n 10 --moments 1
     """
     activate(scenario)
     from edl6dof.api import functions
     from edl6dof.api.progress import count_runs
-    from edl6dof.cli.margins_table import show, write_rows
-    from edl6dof.runs.files import atomic_file
+    from edl6dof.cli.analysis_tables import show_margins, write_rows
 
     check_target(out, (".csv",), force)
     names = [name.strip() for name in phases.split(",") if name.strip()]
@@ -408,8 +401,5 @@ def margins(
             measure=measure,
             progress=progress,
         )
-    show(scenario, rows)
-    if out is not None:
-        with atomic_file(out, force) as partial:
-            write_rows(rows, partial)
-        print(out)
+    show_margins(scenario, rows)
+    write_file(out, force, partial(write_rows, rows))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import degrees
 from pathlib import Path
 from typing import get_args
@@ -11,11 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from edl6dof.api.arguments import extends_name
-from edl6dof.cli.group import NOT_WITHIN_LIMITS
-from edl6dof.config.document.document import EXTENDS
-from edl6dof.config.document.overrides import with_values
-from edl6dof.config.document.yamltree import write_scalar
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, write_file
 from edl6dof.config.errors import refusal
 from edl6dof.design.aim import Aim
 from edl6dof.design.entry_profile import Design, Goal, Plan
@@ -35,11 +32,9 @@ from edl6dof.report.figure import Axis, Figure, Mark, Panel, Trace
 from edl6dof.report.matplotlib_figure import write_figure
 from edl6dof.report.palette import GREY
 from edl6dof.report.terminal import open_table
-from edl6dof.runs.files import atomic_file
 from edl6dof.scenario.loaded import LoadedScenario
-from edl6dof.scenario.loading import check_document
 from edl6dof.scenario.schema import Scenario
-from edl6dof.sim.flight import Flight, fly, resolved_text
+from edl6dof.sim.flight import Flight, fly
 
 
 def goal_of(maximise: str | None, minimise: str | None) -> Goal:
@@ -52,48 +47,6 @@ def goal_of(maximise: str | None, minimise: str | None) -> Goal:
         if value is not None and value != known[option]:
             raise refusal(option, f"must be {known[option]!r} (got {value!r})")
     return "dispersion" if minimise else "parachute_altitude"
-
-
-def designed_text(scenario: str, whole: bool, loaded: LoadedScenario, found: Design) -> str:
-    """Return a scenario with the designed profile as YAML, which extends the given one unless ``whole``."""
-    name = f"{loaded.scenario.name}_designed"
-    if not whole:
-        return _overlay(scenario, name, found)
-    points = [{"at": round(at, 1), "bank_deg": round(bank, 2)} for at, bank in found.after.points]
-    values = {"name": name, "flight_software.guidance.entry.reference_bank.points": points}
-    return resolved_text(check_document(with_values(loaded.document, values, Scenario)))
-
-
-def _overlay(scenario: str, name: str, found: Design) -> str:
-    rows = (f"          - {{at: {at:.1f}, bank_deg: {bank:.2f}}}\n" for at, bank in found.after.points)
-    return f"""\
-{EXTENDS}: {write_scalar(extends_name(scenario))}
-name: {write_scalar(name)}
-flight_software:
-  guidance:
-    entry:
-      reference_bank:
-        points:  # [D] edl6dof design entry {scenario}
-{"".join(rows)}"""
-
-
-def aimed_text(scenario: str, whole: bool, aimed: LoadedScenario) -> str:
-    """Write the scenario at its new site as YAML: one that extends it, or ``whole`` all of it."""
-    new, name = aimed.scenario, f"{aimed.scenario.name}_aimed"
-    if whole:
-        return resolved_text(check_document(with_values(aimed.document, {"name": name}, Scenario)))
-    return f"""\
-{EXTENDS}: {write_scalar(extends_name(scenario))}
-name: {write_scalar(name)}
-terrain:
-  site_latitude_deg: {new.terrain.site_latitude_deg}   # [S]
-  site_longitude_deg: {new.terrain.site_longitude_deg}  # [S]
-  site_elevation_m: {new.terrain.site_elevation_m}  # [D] edl6dof design aim {scenario}
-initial:
-  epoch_utc: {write_scalar(new.initial.epoch_utc)}  # [S]
-  latitude_deg: {new.initial.latitude_deg}  # [D] edl6dof design aim {scenario}
-  longitude_deg: {new.initial.longitude_deg}  # [D] the same
-"""
 
 
 def show_aim(old: Scenario, new: Scenario, found: Aim, flights: Sequence[Flight]) -> None:
@@ -211,14 +164,10 @@ def design_landing_of(
     exceeded = excesses(landing, designed)
     for excess in exceeded:
         print(_exceeded(excess))
-    if out is not None:
-        with atomic_file(out, force) as partial:
-            write_states(partial, t, x, u)
-        print(out)
+    write_file(out, force, partial(write_states, t, x, u))
     if figure is not None:
-        with atomic_file(figure, force) as partial:
-            write_figure(landing_figure(flight.name, landing, (t, x, u), law, (own_t, own_x)), partial)
-        print(figure)
+        drawn = landing_figure(flight.name, landing, (t, x, u), law, (own_t, own_x))
+        write_file(figure, force, partial(write_figure, drawn))
     return 0 if all(excess.tolerated for excess in exceeded) else NOT_WITHIN_LIMITS
 
 
@@ -253,7 +202,6 @@ def _table(
 
 
 def _exceeded(excess: Excess) -> str:
-    """Text of an excess, and whether it is expected between the points of the design."""
     by = f"{excess.what}: exceeds its limit by {excess.by:.2g} {excess.unit}"
     most = f"the {100.0 * TOLERANCE:g} % allowed between the points where the design asks for it"
     return f"{by}, within {most}" if excess.tolerated else f"not met: {by}, more than {most}"
@@ -265,7 +213,7 @@ def _solution(found: Converged) -> str:
     return f"{burn}; {found.programs} convex programs in {found.seconds:.1f} s; ends as flown by DOP853"
 
 
-def write_states(path: Path, t: np.ndarray, x: np.ndarray, u: np.ndarray) -> None:
+def write_states(t: np.ndarray, x: np.ndarray, u: np.ndarray, path: Path) -> None:
     """Write states and controls as CSV; axes of rates and torques are S (:mod:`...rigid_landing`)."""
     rows = np.column_stack([t, x[:, :11], np.degrees(x[:, 11:]), u, np.degrees(tilt_of(x))])
     np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=",".join(COLUMNS), comments="")

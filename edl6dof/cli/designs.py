@@ -3,48 +3,33 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from functools import partial
 from importlib.util import find_spec
-from math import cos, pi, sin, sqrt
+from math import pi
 from pathlib import Path
-from string import Template
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import (
-    NOT_WITHIN_LIMITS,
-    UNAVAILABLE,
-    Command,
-    Sets,
-    argument,
-    check_target,
-    examples,
-    flag,
-    option,
-)
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, UNAVAILABLE, Command, check_target, write_file
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
-
-if TYPE_CHECKING:
-    from edl6dof.scenario.schema import Scenario
 
 new = typer.Typer(no_args_is_help=True, help="Write files to start from, which fly as they are.")
 
-TEMPLATES = Path(__file__).parents[1] / "data" / "new"
-#: Mass and diameter of the canopy of Mars Pathfinder, from which a capsule is scaled.
-LIKE_KG, LIKE_CANOPY_M = 585.3, 12.5
 #: Mass over area of the heat shield (kg/m2) up to which its parachute opens within limits: at a diameter of
 #: 2 m it does with 500 kg and does not with 520 kg.
 HEAVIEST_KG_M2 = 160.0
-#: Angular acceleration (rad/s2) about pitch that two thrusters of a capsule give.
-TURN_RAD_S2 = 0.15
-
 Name = Annotated[str, argument("NAME", "Name of the files, and of what is in them.")]
 Force = Annotated[bool, flag("Replace existing files.", "--force")]
+NewScenario = Annotated[
+    Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
+]
 
 
-@new.command("capsule", cls=Command, epilog=examples("new capsule"))
+@new.command("capsule", cls=Command)
 def new_capsule(
     name: Name,
     mass: Annotated[float, option("KG", "Mass at entry.", min=80.0, max=5_000.0)] = 300.0,
@@ -56,126 +41,65 @@ def new_capsule(
 
     Shape, inertia, centre of mass, thrust and parachute are scaled. It enters the atmosphere of Mars and
     opens its parachute.
+
+    edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8
+    edl6dof fly lander.yaml
     """
     if rcs % 2:
         raise refusal("--rcs", f"thrusters come in pairs: give an even number (got {rcs})")
-    text = _filled("capsule.yaml", capsule(name, mass, diameter, rcs))
-    _write({Path(f"{name}.yaml"): text}, force)
+    from edl6dof.design.templates import capsule
+
+    _write({Path(f"{name}.yaml"): capsule(name, mass, diameter, rcs)}, force)
     if mass > HEAVIEST_KG_M2 * 0.25 * pi * diameter**2:
         words = f"above {HEAVIEST_KG_M2:g} kg per m2 of heat shield it is too fast for its parachute"
         print(f"warning: heavy for its size: {words}", file=sys.stderr)
     print(f"next: edl6dof fly {name}.yaml, edl6dof show {name}.yaml, edl6dof new campaign {name}.yaml")
 
 
-@new.command("law", cls=Command, epilog=examples("new law"))
+@new.command("law", cls=Command)
 def new_law(name: Name, force: Force = False) -> None:
-    """Write an entry guidance law, and a scenario that flies it."""
+    """Write an entry guidance law, and a scenario that flies it.
+
+    edl6dof new law my_law
+    edl6dof fly my_law.yaml
+    """
     _write_plugin("energy_law", name, force)
 
 
-@new.command("controller", cls=Command, epilog=examples("new controller"))
+@new.command("controller", cls=Command)
 def new_controller(name: Name, force: Force = False) -> None:
-    """Write an attitude controller, and a scenario that flies it."""
+    """Write an attitude controller, and a scenario that flies it.
+
+    edl6dof new controller my_controller
+    edl6dof fly my_controller.yaml
+    """
     _write_plugin("stop_rates", name, force)
 
 
-@new.command("campaign", cls=Command, epilog=examples("new campaign"))
+@new.command("campaign", cls=Command)
 def new_campaign(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     force: Force = False,
 ) -> None:
     """Write a campaign that disperses a scenario.
 
     Entry state, masses, aerodynamics, air and thrust vary. The file is SCENARIO_mc.yaml, or
     my_SCENARIO_mc.yaml where the package has a scenario of the first name.
+
+    edl6dof new campaign tianwen1
+    edl6dof campaign my_tianwen1_mc.yaml -n 100
     """
     activate(scenario)
     from edl6dof.config.document.locate import find_shipped
+    from edl6dof.design.templates import campaign
     from edl6dof.scenario.loading import load_scenario
 
     loaded = load_scenario(scenario).scenario
     name = f"{Path(scenario).stem}_mc"
     if find_shipped("scenarios", name):
         name = f"my_{name}"
-    lines = "\n".join(f"    {path}: {{kind: normal, {spread}}}" for path, spread in dispersions(loaded))
-    title = loaded.description or loaded.name
-    values = {"name": name, "scenario": scenario, "title": title, "dispersions": lines}
-    _write({Path(f"{name}.yaml"): _filled("campaign.yaml", values)}, force)
+    _write({Path(f"{name}.yaml"): campaign(name, scenario, loaded)}, force)
     print(f"next: edl6dof campaign {name}.yaml")
-
-
-def capsule(name: str, mass_kg: float, diameter_m: float, thrusters: int) -> dict[str, str]:
-    """Values of the template of a capsule, in proportion to its mass and diameter."""
-    d, shield_kg = diameter_m, 0.125 * mass_kg
-    canopy_m = LIKE_CANOPY_M * sqrt(mass_kg / LIKE_KG)
-    pitch = mass_kg * (0.225 * d) ** 2
-    thrust_n = 0.5 * TURN_RAD_S2 * pitch / (0.42 * d * sqrt(0.5))
-    shares_of_diameter = {
-        **{"diameter": 1.0, "nose": 0.25, "centre": 0.27, "shield_x": 0.105, "pack_x": 0.57},
-        **{"shoulder": 0.025, "break_radius": 0.264, "base_radius": 0.15, "pressure_x": 0.415},
-        **{"confluence": 0.98, "bridle_x": 0.49, "bridle_r": 0.17, "bridle_y": 0.085, "bridle_z": 0.147},
-    }
-    shares_of_mass = {"mass": 1.0, "pack": 0.03, "propellant": 0.01, "stiffness": 51.0}
-    numbers = {
-        **{key: share * d for key, share in shares_of_diameter.items()},
-        **{key: share * mass_kg for key, share in shares_of_mass.items()},
-        **{"roll": mass_kg * (0.25 * d) ** 2, "pitch": pitch, "area": 0.25 * pi * d * d},
-        "shield": shield_kg,
-        "shield_roll": shield_kg * (0.31 * d) ** 2,
-        "shield_pitch": shield_kg * (0.228 * d) ** 2,
-        **{"canopy": canopy_m, "line": 1.76 * canopy_m, "torque": thrust_n * 0.42 * d},
-    }
-    shown = {key: f"{float(f'{value:.4g}')}" for key, value in numbers.items()}
-    jets = "\n".join(_thrusters(d, thrust_n, thrusters))
-    return {**shown, "name": name, "rcs": str(thrusters), "thrusters": jets}
-
-
-def _thrusters(diameter_m: float, thrust_n: float, count: int) -> Iterator[str]:
-    """A line for each thruster: pairs around the backshell, at its greatest width first below and above."""
-    x_m, radius_m, slant = -0.3 * diameter_m, 0.42 * diameter_m, sqrt(0.5)
-    for pair in range(count // 2):
-        angle = 0.5 * pi + 4.0 * pi * pair / count
-        y, z = cos(angle), sin(angle)
-        for letter, side in (("a", 1.0), ("b", -1.0)):
-            place = f"[{x_m:.3f}, {radius_m * y:.3f}, {radius_m * z:.3f}]"
-            along = f"[{slant:.6f}, {-side * slant * z:.6f}, {side * slant * y:.6f}]"
-            keys = f"name: T{pair + 1}{letter}, group: attitude, position_m: {place}, direction: {along}"
-            more = f"thrust_n: {thrust_n:.3g}, specific_impulse_s: 220.0, minimum_pulse_s: 0.02"
-            yield f"      - {{{keys}, {more}}}  # [E]"
-
-
-def dispersions(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Dotted paths of the uncertain parameters of a scenario, and their spreads as YAML."""
-    from edl6dof.scenario.unusual import radius_m
-
-    vehicle, initial = scenario.vehicle, scenario.initial
-    diameter_m = 2.0 * radius_m(vehicle)
-    if initial.speed_m_s is not None:
-        yield "initial.flight_path_angle_deg", "three_sigma: 0.3"
-        yield "initial.speed_m_s", "three_sigma: 6.0"
-        yield "initial.azimuth_deg", "three_sigma: 0.1"
-    yield "initial.latitude_deg", "three_sigma: 0.1"
-    yield "initial.longitude_deg", "three_sigma: 0.1"
-    yield "vehicle.mass.entry_kg", f"three_sigma: {0.0117 * vehicle.mass.entry_kg:.3g}"
-    for axis, share in enumerate((0.003, 0.0015, 0.0015)):
-        if diameter_m:
-            yield f"vehicle.mass.entry_centre_m.{axis}", f"three_sigma: {share * diameter_m:.3g}"
-    if vehicle.aero.model == "capsule":
-        for key, spread in (("axial", 0.05), ("normal", 0.1), ("damping", 0.75)):
-            yield f"vehicle.aero.capsule.{key}_factor", f"three_sigma: {spread}"
-    for parachute in vehicle.parachutes:
-        yield f"vehicle.parachutes.{parachute.name}.drag_factor", "three_sigma: 0.15"
-    if vehicle.engines:
-        yield "vehicle.engines.*.thrust_factor", "three_sigma: 0.03"
-    if vehicle.rcs.thrusters:
-        yield "vehicle.rcs.thrusters.*.thrust_n", "three_sigma_pct: 5.0"
-    yield "atmosphere.density_factor", "three_sigma: 0.20"
-    if scenario.wind.model != "none":
-        yield "wind.scale", "three_sigma: 0.50"
-
-
-def _filled(template: str, values: Mapping[str, str]) -> str:
-    return Template((TEMPLATES / template).read_text(encoding="utf-8")).substitute(values)
 
 
 def _write_plugin(shipped: str, name: str, force: bool) -> None:
@@ -220,15 +144,12 @@ def _write(files: Mapping[Path, str], force: bool) -> None:
         print(path)
 
 
-design = typer.Typer(
-    no_args_is_help=True,
-    help="Design a part of a mission: its entry or landing.",
-)
+design = typer.Typer(no_args_is_help=True, help="Design a part of a mission: its entry or landing.")
 
 
-@design.command("entry", cls=Command, epilog=examples("design entry"))
+@design.command("entry", cls=Command)
 def design_entry(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     maximise: Annotated[str | None, option("WHAT", "parachute_altitude; the default.")] = None,
     minimise: Annotated[
@@ -238,9 +159,7 @@ def design_entry(
     reserve: Annotated[
         float, option("DEG", "Distance of the plan from the bank limits.", min=0.0, max=60.0)
     ] = 10.0,
-    out: Annotated[
-        Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
-    ] = None,
+    out: NewScenario = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
     """Optimise the bank profile of the planned entry.
@@ -250,11 +169,14 @@ def design_entry(
     profile changes by at most a quarter of the bank rate.
 
     Exit status: 0 within all limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof design entry msl --out plan.yaml
+    edl6dof design entry msl --minimise dispersion
     """
     activate(scenario)
-    from edl6dof.cli.design_tables import designed_text, goal_of, show
+    from edl6dof.cli.design_tables import goal_of, show
     from edl6dof.design.entry_profile import design_entry as optimise
-    from edl6dof.runs.files import atomic_file
+    from edl6dof.design.scenario_files import write_designed
     from edl6dof.scenario.loading import load_scenario
 
     goal = goal_of(maximise, minimise)
@@ -264,23 +186,17 @@ def design_entry(
         raise refusal(scenario, "has no phase with guidance: entry, so there is no entry to design")
     entry = loaded.scenario.flight_software.guidance.entry
     if entry.bank_min_deg + reserve >= entry.bank_max_deg - reserve:
-        raise refusal(
-            "--reserve",
-            f"{reserve:g} leaves nothing between bank_min_deg {entry.bank_min_deg:g} and "
-            f"bank_max_deg {entry.bank_max_deg:g}",
-        )
+        limits = f"bank_min_deg {entry.bank_min_deg:g} and bank_max_deg {entry.bank_max_deg:g}"
+        raise refusal("--reserve", f"{reserve:g} leaves nothing between {limits}")
     found = optimise(loaded.scenario, goal, points, reserve)
     show(loaded.scenario.name, found)
-    if out is not None:
-        with atomic_file(out, force) as partial:
-            partial.write_text(designed_text(scenario, bool(sets), loaded, found), encoding="utf-8")
-        print(out)
+    write_file(out, force, partial(write_designed, scenario, bool(sets), loaded, found))
     return NOT_WITHIN_LIMITS if found.broken else 0
 
 
-@design.command("landing", cls=Command, epilog=examples("design landing"))
+@design.command("landing", cls=Command)
 def design_landing(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     divert_m: Annotated[
         float | None,
@@ -300,6 +216,8 @@ def design_landing(
 
     Exit status: 0 designed, 1 no landing within the limits or one that exceeds them on its way, 2 bad input,
     69 cvxpy is missing, 130 interrupted.
+
+    edl6dof design landing tianwen1 --divert-m 600 --figure landing.png
     """
     activate(scenario)
     check_target(out, (".csv",), force)
@@ -321,9 +239,9 @@ def design_landing(
     return design_landing_of(loaded, scenario, out, figure, force)
 
 
-@design.command("aim", cls=Command, epilog=examples("design aim"))
+@design.command("aim", cls=Command)
 def design_aim(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     site: Annotated[
         tuple[float, float], option("LAT LON", "Geodetic latitude and east longitude of the site, deg.")
     ],
@@ -335,9 +253,7 @@ def design_aim(
     date: Annotated[
         str | None, option("UTC", "Date and time of the entry, such as 2031-01-28T12:00:00.")
     ] = None,
-    out: Annotated[
-        Path | None, option("FILE", "Write a scenario (.yaml) that extends this one; with --set, all of it.")
-    ] = None,
+    out: NewScenario = None,
     force: Annotated[bool, flag("Replace an existing file.", "--force")] = False,
 ) -> int:
     """Find the entry point that reaches another landing site.
@@ -346,11 +262,14 @@ def design_aim(
     site as it ends at the old one; then the scenario is flown with its guidance to both sites.
 
     Exit status: 0 reached and within limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof design aim tianwen1 --site 18.44 77.45 --out jezero.yaml
+    edl6dof design aim msl --site -5.4 137.8 --date 2031-01-28T12:00:00
     """
     activate(scenario)
-    from edl6dof.cli.design_tables import aimed_text, show_aim
+    from edl6dof.cli.design_tables import show_aim
     from edl6dof.design.aim import aim_entry, site_overrides
-    from edl6dof.runs.files import atomic_file
+    from edl6dof.design.scenario_files import write_aimed
     from edl6dof.scenario.loading import load_scenario
     from edl6dof.sim.flight import fly
 
@@ -361,8 +280,5 @@ def design_aim(
     aimed = load_scenario(scenario, [*(sets or ()), *moved, *found.overrides])
     flights = [fly(loaded) for loaded in (own, aimed)]
     show_aim(own.scenario, aimed.scenario, found, flights)
-    if out is not None:
-        with atomic_file(out, force) as partial:
-            partial.write_text(aimed_text(scenario, bool(sets), aimed), encoding="utf-8")
-        print(out)
+    write_file(out, force, partial(write_aimed, scenario, bool(sets), aimed))
     return 0 if found.reached and flights[1].success else NOT_WITHIN_LIMITS

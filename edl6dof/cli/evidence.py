@@ -7,7 +7,8 @@ from typing import Annotated
 
 from edl6dof.api import functions
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import NOT_WITHIN_LIMITS, Sets, argument, flag, option
+from edl6dof.cli.group import NOT_WITHIN_LIMITS
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 #: Most flights that are accepted for means, and for each mission.
@@ -32,6 +33,9 @@ def verify(
     when it was made; NAME then names flights.
 
     Exit status: 0 all within tolerance or identical, 1 not, 2 bad input.
+
+    edl6dof verify
+    edl6dof verify kepler tumbling --plots plots
     """
     from edl6dof.cli.evidence_tables import fly_golden, run_cases
 
@@ -39,7 +43,7 @@ def verify(
 
 
 def figures(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     sets: Sets = None,
     flights: Annotated[int | None, option("N", "Flights; 30 if not given.", "-n", "--flights")] = None,
     as_json: Annotated[bool, flag("Print JSON instead of tables.", "--json")] = False,
@@ -50,6 +54,9 @@ def figures(
     random draw of many, so documents quote the results of this command.
 
     Exit status: 0 every flight within limits, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof figures tianwen1 -n 30
+    edl6dof figures tianwen1 --set vehicle.mass.entry_kg=1350
     """
     activate(scenario)
     from edl6dof.api.progress import count_runs
@@ -98,6 +105,9 @@ def validate(
 
     Exit status: 0 the central 68 % contain a share of the flown values that fits 68 %, 1 not,
     2 bad input, 130 interrupted.
+
+    edl6dof validate
+    edl6dof validate viking1_mc -n 1000
     """
     activate(*(names or []))
     from edl6dof.api.progress import count_runs
@@ -144,6 +154,9 @@ def calibrate(
     Writes calibrated.yaml, a scenario that extends this one.
 
     Exit status: 0 every figure explained within two sigma, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof calibrate tianwen1
+    edl6dof fly runs/calibration-tianwen1/calibrated.yaml --out runs/calibrated
     """
     activate(scenario)
     from edl6dof.api.progress import count_runs
@@ -184,6 +197,9 @@ def study(
     """Repeat a paper's experiment and compare the results.
 
     Exit status: 0 every published requirement is met, 1 not, 2 bad input, 130 interrupted.
+
+    edl6dof study
+    edl6dof study guidance --only fnpeg --only etpc -n 100
     """
     activate()
     from edl6dof.cli.studies import list_studies, run_study

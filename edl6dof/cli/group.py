@@ -1,11 +1,11 @@
-"""The group of all commands: how they are declared, help, examples, exit statuses and their messages."""
+"""The group of all commands: help, examples, exit statuses and their messages."""
 
 from __future__ import annotations
 
 import os
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from traceback import extract_tb
@@ -15,145 +15,24 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from edl6dof.api.arguments import naming_options
-from edl6dof.cli.completion import COMPLETIONS
 from edl6dof.config.errors import ConfigError, refusal
 
-#: The flight, or the result of flights, is not within its limits.
-NOT_WITHIN_LIMITS = 1
-#: The input cannot be used.
-BAD_INPUT = 2
-#: Something that the command needs is not on this machine (EX_UNAVAILABLE of sysexits.h).
-UNAVAILABLE = 69
-#: The program itself has a defect (EX_SOFTWARE of sysexits.h).
-DEFECT = 70
-#: Ctrl-C.
-INTERRUPTED = 130
+#: Exit statuses; 69 and 70 are those of sysexits.h, 130 is that of Ctrl-C.
+NOT_WITHIN_LIMITS, BAD_INPUT, UNAVAILABLE, DEFECT, INTERRUPTED = 1, 2, 69, 70, 130
 #: The reader of the output has closed it.
 BROKEN_PIPE = 141
 
 
-def option(metavar: str, meaning: str, *names: str, **bounds: Any) -> Any:
-    """Declare an option with a value; ``names`` where they do not follow from the parameter."""
-    return typer.Option(
-        *names, metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar), **bounds
-    )
-
-
-def flag(meaning: str, *names: str) -> Any:
-    """Declare an option without a value."""
-    return typer.Option(*names, help=meaning)
-
-
-def argument(metavar: str, meaning: str) -> Any:
-    """Declare an argument."""
-    return typer.Argument(metavar=metavar, help=meaning, autocompletion=COMPLETIONS.get(metavar))
-
-
-Sets = Annotated[
-    list[str] | None,
-    option("PATH=VALUE", "Change one parameter (edl6dof params lists them); repeatable.", "--set"),
-]
-Workers = Annotated[int | None, option("N", "Threads; all cores if not given.", "--workers", min=1, max=1024)]
-
-EXAMPLES: dict[str, tuple[str, ...]] = {
-    "fly": (
-        "edl6dof fly tianwen1",
-        "edl6dof fly tianwen1 -v",
-        "edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350",
-        "edl6dof fly tianwen1 --out runs/first --save-state 300",
-        "edl6dof fly --from runs/first/state.npz --out runs/second",
-    ),
-    "check": ("edl6dof check my.yaml", "edl6dof check my.yaml my_mc.yaml --set seed=3"),
-    "trust": ("edl6dof trust my_law.py", "edl6dof trust received/scenario.yaml"),
-    "scenarios": ("edl6dof scenarios", "edl6dof scenarios tianwen1 > mine.yaml"),
-    "show": (
-        "edl6dof show tianwen1 vehicle.parachutes.main",
-        "edl6dof show tianwen1 --diff tianwen1_hazards",
-        "edl6dof show tianwen1 --vehicle -o tianwen1.svg",
-        "edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1",
-    ),
-    "params": ("edl6dof params vehicle.parachutes", "edl6dof params bank_rate"),
-    "schema": ("edl6dof schema > edl6dof.schema.json",),
-    "replay": (
-        "edl6dof replay runs/tianwen1",
-        "edl6dof replay runs/tianwen1 --html flight.html",
-        "edl6dof replay runs/tianwen1 --screenshot entry.png --at 120",
-        "edl6dof replay runs/tianwen1 --video flight.mp4",
-        "edl6dof replay runs/tianwen1_mc --case 17",
-    ),
-    "report": ("edl6dof report runs/tianwen1", "edl6dof report runs/tianwen1_mc --pdf"),
-    "assure": (
-        "edl6dof assure runs/tianwen1_mc",
-        "edl6dof assure runs/tianwen1_mc requirements.yaml --out board.pdf",
-    ),
-    "plot": (
-        "edl6dof plot runs/tianwen1 truth.mach truth.height_m",
-        "edl6dof plot runs/tianwen1 runs/heavy truth.mach",
-        "edl6dof plot runs/tianwen1 'truth.rate_*' --from 60 --to 280",
-        "edl6dof plot runs/tianwen1 truth.height_m --against truth.mach --out x.pdf",
-    ),
-    "compare": ("edl6dof compare runs/tianwen1 runs/heavy", "edl6dof compare runs/a_mc runs/b_mc --json"),
-    "export": ("edl6dof export runs/tianwen1 --format csv", "edl6dof export runs/tianwen1 - --nesc"),
-    "verify": ("edl6dof verify", "edl6dof verify kepler tumbling --plots plots"),
-    "validate": ("edl6dof validate", "edl6dof validate viking1_mc -n 1000"),
-    "figures": (
-        "edl6dof figures tianwen1 -n 30",
-        "edl6dof figures tianwen1 --set vehicle.mass.entry_kg=1350",
-    ),
-    "calibrate": (
-        "edl6dof calibrate tianwen1",
-        "edl6dof fly runs/calibration-tianwen1/calibrated.yaml --out runs/calibrated",
-    ),
-    "study": ("edl6dof study", "edl6dof study guidance --only fnpeg --only etpc -n 100"),
-    "campaign": (
-        "edl6dof campaign tianwen1_mc -n 1000",
-        "edl6dof campaign --resume runs/tianwen1_mc",
-        "edl6dof campaign tianwen1_mc --until 'p_success +- 0.5%'",
-    ),
-    "covariance": ("edl6dof covariance tianwen1_mc", "edl6dof covariance tianwen1_mc --at touchdown"),
-    "rare": (
-        "edl6dof rare tianwen1_mc requirements.yaml --requirement EDL-2",
-        "edl6dof rare tianwen1_mc --requirement touchdown_vertical_m_s -n 1000",
-    ),
-    "margins": ("edl6dof margins tianwen1", "edl6dof margins tianwen1_mc -n 10 --moments 1"),
-    "refly": (
-        "edl6dof refly runs/tianwen1_mc 17",
-        "edl6dof refly runs/tianwen1_mc --worst landing_distance_m",
-    ),
-    "faults": (
-        "edl6dof faults tianwen1",
-        "edl6dof faults tianwen1 --out runs/map --kinds all --at 'every 10 s'",
-        "edl6dof faults tianwen1 --out runs/sensors --sensors",
-    ),
-    "serve": ("edl6dof serve tianwen1", "edl6dof serve tianwen1_mc --port 4242"),
-    "cache": ("edl6dof cache", "edl6dof cache --clear"),
-    "version": ("edl6dof version",),
-    "new capsule": (
-        "edl6dof new capsule lander --mass 300 --diameter 1.8 --rcs 8",
-        "edl6dof fly lander.yaml",
-    ),
-    "new law": ("edl6dof new law my_law", "edl6dof fly my_law.yaml"),
-    "new controller": ("edl6dof new controller my_controller", "edl6dof fly my_controller.yaml"),
-    "new campaign": ("edl6dof new campaign tianwen1", "edl6dof campaign my_tianwen1_mc.yaml -n 100"),
-    "design entry": (
-        "edl6dof design entry msl --out plan.yaml",
-        "edl6dof design entry msl --minimise dispersion",
-    ),
-    "design aim": (
-        "edl6dof design aim tianwen1 --site 18.44 77.45 --out jezero.yaml",
-        "edl6dof design aim msl --site -5.4 137.8 --date 2031-01-28T12:00:00",
-    ),
-    "design landing": ("edl6dof design landing tianwen1 --divert-m 600 --figure landing.png",),
-}
-
-
-def examples(command: str) -> str:
-    """Text below the options of a command's help, a line for each example."""
-    return "\b\nExamples:\n" + "\n".join(f"  {line}" for line in EXAMPLES[command])
-
-
 class Command(TyperCommand):
-    """A command whose help shows an argument as ``RUN``, and not as ``{RUN} <list[Path]>``."""
+    """A command whose docstring ends with examples, which its help shows below the options; the help shows an
+    argument as ``RUN``, and not as ``{RUN} <list[Path]>``.
+    """
+
+    def __init__(self, name: str, *, help: str, **about: Any):
+        words, _, examples = help.partition("\n\nedl6dof ")
+        lines = f"edl6dof {examples}".split("\n")
+        below = "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])
+        super().__init__(name, help=words, **{**about, "epilog": below})
 
     def collect_usage_pieces(self, ctx: Any) -> list[str]:
         """Return the words behind ``Usage: edl6dof NAME``."""
@@ -249,6 +128,16 @@ def check_target(path: Path | None, suffixes: Sequence[str], force: bool) -> Non
     if path.suffix not in suffixes:
         raise refusal(path, f"must end in {', '.join(suffixes)}")
     refuse_existing_file(path, force)
+
+
+def write_file(out: Path | None, force: bool, write: Callable[[Path], object]) -> None:
+    """Write the file that an option names, if it names one, and print its path."""
+    from edl6dof.runs.files import atomic_file
+
+    if out is not None:
+        with atomic_file(out, force) as partial:
+            write(partial)
+        print(out)
 
 
 @contextmanager

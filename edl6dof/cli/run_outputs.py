@@ -11,15 +11,8 @@ from typing import Annotated
 import typer
 
 from edl6dof.api import functions
-from edl6dof.cli.group import (
-    NOT_WITHIN_LIMITS,
-    UNAVAILABLE,
-    argument,
-    check_target,
-    flag,
-    option,
-    refusing_damage,
-)
+from edl6dof.cli.group import NOT_WITHIN_LIMITS, UNAVAILABLE, check_target, refusing_damage
+from edl6dof.cli.options import Requirements, argument, flag, option
 from edl6dof.config.errors import ConfigError, refusal
 
 EXPORTS = ("csv", "mat", "nc", "oem", "aem", "kml")
@@ -68,6 +61,12 @@ def replay(
     """Show the 3D replay of one flight, or of several in one scene.
 
     Exit status: 0 shown or written, 2 bad input, 69 the viewer, or the encoder of films, does not run here.
+
+    edl6dof replay runs/tianwen1
+    edl6dof replay runs/tianwen1 --html flight.html
+    edl6dof replay runs/tianwen1 --screenshot entry.png --at 120
+    edl6dof replay runs/tianwen1 --video flight.mp4
+    edl6dof replay runs/tianwen1_mc --case 17
     """
     if tour and page not in ("", "Tour"):
         raise refusal("--tour", f"is the page Tour; --page names {page}")
@@ -112,6 +111,9 @@ def report(
     """Write the report of a run or a campaign: one page with plots.
 
     The page opens offline, and its plots can be zoomed.
+
+    edl6dof report runs/tianwen1
+    edl6dof report runs/tianwen1_mc --pdf
     """
     with refusing_damage(run):
         for path in functions.report(run, out=out, pdf=pdf, png=png, force=force):
@@ -120,10 +122,7 @@ def report(
 
 def assure(
     folder: Annotated[Path, argument("FOLDER", "Folder of a campaign.")],
-    requirements: Annotated[
-        Path | None,
-        argument("REQUIREMENTS", "YAML file of requirements; every limit of the scenario if not given."),
-    ] = None,
+    requirements: Requirements = None,
     out: Annotated[
         Path | None, option("FILE", "Page to write: .html or .pdf; FOLDER/assurance.html if not given.")
     ] = None,
@@ -137,6 +136,9 @@ def assure(
     credibility of the results.
 
     Exit status: 0 all verified, 1 not, 2 bad input.
+
+    edl6dof assure runs/tianwen1_mc
+    edl6dof assure runs/tianwen1_mc requirements.yaml --out board.pdf
     """
     check_target(out, (".html", ".pdf"), force=True)
     target = out or (None if as_json else folder / "assurance.html")
@@ -174,7 +176,13 @@ def plot(
     ] = None,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> None:
-    """Plot channels of flights; equal units share a panel."""
+    """Plot channels of flights; equal units share a panel.
+
+    edl6dof plot runs/tianwen1 truth.mach truth.height_m
+    edl6dof plot runs/tianwen1 runs/heavy truth.mach
+    edl6dof plot runs/tianwen1 'truth.rate_*' --from 60 --to 280
+    edl6dof plot runs/tianwen1 truth.height_m --against truth.mach --out x.pdf
+    """
     from edl6dof.cli.result_views import list_channels, write_plot
 
     others = [Path(word) for word in takewhile(_is_folder, words or ())]
@@ -210,6 +218,9 @@ def compare(
     to flight (ten neighbours of the first are flown), and the differences of the scenarios. A page contains
     every figure, and plots with both flights. Two campaigns of the same dispersions are compared in pairs:
     success, and every figure with a significant difference.
+
+    edl6dof compare runs/tianwen1 runs/heavy
+    edl6dof compare runs/a_mc runs/b_mc --json
     """
     if more:
         folders = " ".join(map(str, (first, second, *more)))
@@ -252,7 +263,11 @@ def export(
     ] = False,
     force: Annotated[bool, flag("Also replace a file that you made or changed.", "--force")] = False,
 ) -> None:
-    """Write the telemetry of a run in the format of another program."""
+    """Write the telemetry of a run in the format of another program.
+
+    edl6dof export runs/tianwen1 --format csv
+    edl6dof export runs/tianwen1 - --nesc
+    """
     if nesc == bool(form) or form not in ("", *EXPORTS):
         raise typer.BadParameter(f"name one form: --format {', '.join(EXPORTS)}, or --nesc")
     from edl6dof.config.wording import counted

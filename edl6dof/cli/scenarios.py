@@ -13,7 +13,8 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from edl6dof.api.functions import activate
-from edl6dof.cli.group import UNAVAILABLE, Sets, argument, flag, option
+from edl6dof.cli.group import UNAVAILABLE
+from edl6dof.cli.options import Scenario, Sets, argument, flag, option
 from edl6dof.config.errors import refusal
 
 
@@ -49,6 +50,12 @@ def fly(
 
     Exit status: 0 landed within limits (or flown to the end, where mission.goal is time), 1 not, 2 bad input,
     69 the viewer does not run here, 130 interrupted.
+
+    edl6dof fly tianwen1
+    edl6dof fly tianwen1 -v
+    edl6dof fly tianwen1 --out runs/heavy --set vehicle.mass.entry_kg=1350
+    edl6dof fly tianwen1 --out runs/first --save-state 300
+    edl6dof fly --from runs/first/state.npz --out runs/second
     """
     if save_state is not None and not (math.isfinite(save_state) and save_state >= 0.0):
         raise refusal("--save-state", f"must be a time in s, 0 or more (got {save_state:g})")
@@ -110,14 +117,16 @@ def fly(
 
 
 def check(
-    files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")],
-    sets: Sets = None,
+    files: Annotated[list[str], argument("SCENARIO", "Scenario files or names.")], sets: Sets = None
 ) -> int:
     """Check scenario files; report mistakes with file, line and key.
 
     Nothing is flown.
 
     Exit status: 0 no mistake, 2 mistakes.
+
+    edl6dof check my.yaml
+    edl6dof check my.yaml my_mc.yaml --set seed=3
     """
     activate(*files)
     from edl6dof.cli.inspection import check_files
@@ -134,6 +143,9 @@ def trust(
     It may then run on this account, until it changes.
 
     Exit status: 0 accepted, 1 not accepted, 2 bad input.
+
+    edl6dof trust my_law.py
+    edl6dof trust received/scenario.yaml
     """
     from edl6dof.cli.inspection import trust_plugins
 
@@ -150,6 +162,9 @@ def serve(
     The first line printed is address and port; docs/serve.md has the protocol. Ctrl-C ends it.
 
     Exit status: 0 ended by Ctrl-C, 2 bad input, 69 msgpack is not installed.
+
+    edl6dof serve tianwen1
+    edl6dof serve tianwen1_mc --port 4242
     """
     activate(scenario)
     from edl6dof.serve.flight_server import HOST, FlightServer
@@ -178,7 +193,11 @@ def scenarios(
         str | None, argument("SCENARIO", "Scenario whose file is printed; by default all are listed.")
     ] = None,
 ) -> None:
-    """List the shipped scenarios, or print the file of one."""
+    """List the shipped scenarios, or print the file of one.
+
+    edl6dof scenarios
+    edl6dof scenarios tianwen1 > mine.yaml
+    """
     from edl6dof.cli.inspection import list_scenarios
     from edl6dof.config.document.locate import resolve_scenario
 
@@ -189,7 +208,7 @@ def scenarios(
 
 
 def show(
-    scenario: Annotated[str, argument("SCENARIO", "Scenario file, or the name of a shipped one.")],
+    scenario: Scenario,
     path: Annotated[
         str, argument("PATH", "Dotted path to begin at, such as vehicle.mass, or part of a name.")
     ] = "",
@@ -209,6 +228,11 @@ def show(
     """Values of a scenario: unit, bounds, meaning, file and line.
 
     Parameters of its plugins are among them.
+
+    edl6dof show tianwen1 vehicle.parachutes.main
+    edl6dof show tianwen1 --diff tianwen1_hazards
+    edl6dof show tianwen1 --vehicle -o tianwen1.svg
+    edl6dof show tianwen1 --set vehicle.mass.entry_kg=1350 --diff tianwen1
     """
     activate(scenario, diff)
     from edl6dof.cli.inspection import show_differences, show_values, show_vehicle
@@ -229,7 +253,11 @@ def params(
     ] = "",
     as_json: Annotated[bool, flag("Print JSON.", "--json")] = False,
 ) -> None:
-    """List parameters: default, unit, bounds, meaning, status."""
+    """List parameters: default, unit, bounds, meaning, status.
+
+    edl6dof params vehicle.parachutes
+    edl6dof params bank_rate
+    """
     activate()
     from edl6dof.cli.inspection import show_params
 
@@ -240,7 +268,10 @@ def schema(
     scenario: Annotated[str | None, argument("SCENARIO", "Scenario whose plugins the files may use.")] = None,
     of: Annotated[str, option("KIND", "scenario (campaigns, too), vehicle or planet.", "--of")] = "scenario",
 ) -> None:
-    """Print the JSON schema of scenario, vehicle or planet files."""
+    """Print the JSON schema of scenario, vehicle or planet files.
+
+    edl6dof schema > edl6dof.schema.json
+    """
     activate(scenario)
     from edl6dof.api.schema_files import SCHEMAS
 
@@ -259,6 +290,9 @@ def cache(
 
     It is compiled by the first flight of an installation, and named by a hash of its sources: it is never
     stale. Code that was not used for 30 days is removed automatically.
+
+    edl6dof cache
+    edl6dof cache --clear
     """
     from edl6dof.config.wording import counted
     from edl6dof.kernels.cache import folder
@@ -283,7 +317,10 @@ def _size(places: Sequence[Path]) -> str:
 
 
 def version() -> None:
-    """Print the version."""
+    """Print the version.
+
+    edl6dof version
+    """
     from edl6dof import __version__
 
     print(__version__)

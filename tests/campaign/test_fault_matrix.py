@@ -17,11 +17,10 @@ from campaign_run import write_drop
 from forked import Forked
 
 import edl6dof
-from edl6dof.api import fault_choice
-from edl6dof.api.campaign import require_no_values
-from edl6dof.api.fault_choice import FaultRequest, matrix_of, moments_at
-from edl6dof.campaign import executor
+from edl6dof.api.campaign import _continued, chosen_engine
+from edl6dof.campaign import executor, fault_choice
 from edl6dof.campaign.design.plan import load_plan, parse_plan
+from edl6dof.campaign.fault_choice import FaultRequest, matrix_of, moments_at
 from edl6dof.campaign.faults import matrix_plan
 from edl6dof.campaign.store import Store
 from edl6dof.config.errors import ConfigError
@@ -233,9 +232,10 @@ def test_what_flies_another_matrix_does_not_join_a_folder(here):
 
 @pytest.mark.parametrize("given", [0, 0.0, "D7", ("seed=3",), True])
 def test_a_campaign_that_goes_on_takes_no_value_not_even_zero(given):
-    require_no_values("m", None, (), "", False)
+    engine = chosen_engine()
+    _continued("m", engine, None, (), "", False)
     with pytest.raises(ConfigError, match="m: has its plan; it accepts no other values"):
-        require_no_values("m", None, given)
+        _continued("m", engine, None, given)
 
 
 @pytest.mark.parametrize("owner, name", [(fault_choice, "matrix_of"), (executor.CaseRunner, "prepared")])

@@ -31,7 +31,6 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "campaign"))
 from campaign_run import write_drop
 
 from edl6dof.api import campaign as campaign_api
-from edl6dof.api.campaign import EngineChoice
 from edl6dof.api.reports import report_of
 from edl6dof.campaign.design.plan import Plan, load_plan
 from edl6dof.campaign.executor import CaseRunner, table_of
@@ -193,7 +192,7 @@ class Harness:
         gc.freeze()
 
     def _use(self, engine: Recorded) -> None:
-        EngineChoice.start = lambda self: contextlib.nullcontext(engine)
+        campaign_api.chosen_engine = lambda *_: contextlib.nullcontext(engine)
 
     def table(self) -> str:
         """Which table lies in the folder now."""

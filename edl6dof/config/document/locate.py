@@ -45,6 +45,12 @@ def find_shipped(kind: str, name: str) -> Path | None:
     return next((path for path in candidates if isfile(path)), None)
 
 
+def extends_name(scenario: str) -> str:
+    """Value of ``extends`` for a scenario: the whole path of a file, or the name of a shipped one."""
+    file = Path(scenario)
+    return str(file.resolve()) if file.is_file() else scenario
+
+
 def find_include(value: str, kind: str, folder: Path) -> tuple[Path | None, list[Path]]:
     """Find the file that an include key names; return it, or ``None``, and the places searched.
 

@@ -9,11 +9,11 @@ import pytest
 from config_toy import GOOD, LEAST, Toy, document, load
 from pydantic import ValidationError
 
-from edl6dof.api.schema_files import json_schema
 from edl6dof.config.base import Params, param
 from edl6dof.config.document.overrides import apply_overrides
 from edl6dof.config.document.source import parse_document
 from edl6dof.config.dump import dump_resolved
+from edl6dof.config.json_schema import json_schema
 from edl6dof.config.parameter_table import rows
 from edl6dof.config.validate import validate
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from edl6dof.campaign.design.plan import Plan
@@ -34,11 +34,6 @@ _NUMBER = r"(\d+\.?\d*|\.\d+)(?: *s)?"
 _TIME, _EVERY = re.compile(_NUMBER), re.compile(rf"every +{_NUMBER}")
 #: Events that no mission names.
 _ALWAYS = ("bank_reversal", "trim_wing_open", "line_stretch", "touchdown")
-
-
-def listed(names: str | float | Iterable[str | float]) -> str:
-    """Return names or times as a text with commas."""
-    return str(names) if isinstance(names, str | float | int) else ",".join(map(str, names))
 
 
 class FaultRequest(NamedTuple):
