@@ -51,9 +51,8 @@ def main() -> None:
     for name, wind in (("east", windy.east), ("north", windy.north)):
         size = rms(np.interp(HEIGHTS, windy.altitude, wind))
         per_km = size / HEIGHTS.mean() * 1e3
-        print(
-            f"wind towards {name}, root mean square: {size:.0f} m/s; {per_km:.2f} m/s per km of the mean height"
-        )
+        words = f"{size:.0f} m/s; {per_km:.2f} m/s per km of the mean height"
+        print(f"wind towards {name}, root mean square: {words}")
 
 
 if __name__ == "__main__":
