@@ -322,8 +322,18 @@ def replay(
     from edl6dof.runs.files import needing_channels
 
     html, screenshot, video = (None if path is None else Path(path) for path in (html, screenshot, video))
-    film = start_s, end_s, length_s, fps
-    wanted = Wanted(html, screenshot, video, web, at_s, page, case, *film, force)
+    wanted = Wanted(
+        *(html, screenshot, video),
+        web=web,
+        at_s=at_s,
+        page=page,
+        case=case,
+        start_s=start_s,
+        end_s=end_s,
+        length_s=length_s,
+        fps=fps,
+        force=force,
+    )
     with needing_channels(*folders):
         return show_replay(folders, wanted)
 
@@ -444,7 +454,9 @@ def faults(
 
     what, where, when = listed(kinds), listed(components), listed(phases)
     moments, keys = None if at is None else listed(at), dumps(settings or {})
-    request = FaultRequest(sensors, what, where, pairs, when, after_s, moments, keys)
+    request = FaultRequest(
+        *(sensors, what, where, pairs), phases=when, after_s=after_s, at=moments, settings=keys
+    )
     engine = chosen_engine(workers=workers)
     job = faults_job(name, sets, request, (vehicles, seed), engine, out=out, force=force)
     return job.result(progress, in_memory=out is None)

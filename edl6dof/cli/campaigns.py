@@ -208,7 +208,9 @@ def faults(
         from edl6dof.campaign.fault_choice import FaultRequest
         from edl6dof.cli.campaign_flight import fly_campaign
 
-        request = FaultRequest(sensors, kinds, components, pairs, phases, after, at, settings)
+        request = FaultRequest(
+            *(sensors, kinds, components, pairs), phases=phases, after_s=after, at=at, settings=settings
+        )
         changes, drawn, engine = tuple(sets or ()), (vehicles, seed), chosen_engine(workers=workers)
         job = faults_job(scenario, changes, request, drawn, engine, out=out, force=force, resume=resume)
         return fly_campaign(job, command="faults", as_json=as_json)
