@@ -150,9 +150,7 @@ MACH = Plot("mach", "Mach number", {"truth.mach": "Mach"}, until="backshell")
 PRESSURE = Plot("dynamic_pressure", "dynamic pressure", {"truth.dynamic_pressure_pa": "dynamic pressure"},
                 kilo=True, until="backshell")
 LOAD = Plot("load_g0", "load", {"truth.load_g0": "sensed acceleration"})
-HEAT = Plot("heat_flux_w_cm2", "heat flux", {
-    "truth.heat_flux_w_cm2": "stagnation point", "truth.radiative_heat_flux_w_cm2": "radiation alone"},
-            until="mortar")
+HEAT = Plot("heat_flux_w_cm2", "heat flux", {"truth.heat_flux_w_cm2": "stagnation point"}, until="mortar")
 RATES = Plot("body_rate_deg_s", "body rate", _axes("truth.rate_{}_deg_s", "roll pitch yaw", "p q r"))
 BANK = Plot("bank_deg", "bank", {"truth.bank_deg": "flown", "guide.bank_deg": "commanded"}, until="mortar")
 ALPHA, BETA = (

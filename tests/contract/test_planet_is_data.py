@@ -42,9 +42,9 @@ PRINTED = (
 
 
 def numbers(tree: object) -> Iterator[float]:
-    """Every number of a planet file but its colours."""
+    """Every number of a planet file but its colours and the table of its radiation, values such as 12.5."""
     if isinstance(tree, dict):
-        tree = [value for key, value in tree.items() if key != "appearance"]
+        tree = [value for key, value in tree.items() if key not in ("appearance", "speeds")]
     for value in tree if isinstance(tree, list) else ():
         yield from numbers(value)
         if isinstance(value, float):

@@ -56,6 +56,8 @@ def synthetic_flight(overrides: tuple[str, ...] = ("sensors.set=perfect",)) -> S
     tm = {"t_s": t}
     for k, channel in enumerate(CHANNELS):
         tm[channel.name] = np.sin(0.1 * (k + 1) * t) + 0.01 * k
+    for axis, place in zip("xyz", (-1.5, 0.0, 0.0), strict=True):
+        tm[f"truth.centre_{axis}_m"] = np.full_like(t, place)
     tm["truth.height_m"] = np.maximum(900.0 - 45.0 * t, 0.7)
     tm["truth.altitude_m"] = tm["truth.height_m"] - 4099.4
     tm["truth.site_east_m"], tm["truth.site_north_m"], tm["truth.site_up_m"] = (

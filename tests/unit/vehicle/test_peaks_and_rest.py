@@ -61,7 +61,7 @@ def test_tilt_is_the_angle_between_the_axis_and_the_vertical_of_the_place(angle_
 def test_peaks_are_the_largest_of_a_flight_and_the_ground_is_no_load_of_it():
     names = (
         *("entry_load", "entry_load_time", "parachute_load", "dynamic_pressure", "dynamic_pressure_time"),
-        *("heat_flux", "heat_flux_time", "riser_tension"),
+        *("heat_flux", "heat_flux_time", "radiative_heat_flux", "riser_tension"),
     )
     peaks = SimpleNamespace(**dict.fromkeys(names, 0.0))
     for t, canopy, pads, force, pressure, flux, tension in (
@@ -74,6 +74,6 @@ def test_peaks_are_the_largest_of_a_flight_and_the_ground_is_no_load_of_it():
         (7.0, RELEASED, 1, (-99.0, 0.0, 0.0), 0.0, 0.0, 0.0),
     ):
         outputs = SimpleNamespace(pads=pads, specific_force_B=np.array(force), dynamic_pressure=pressure)
-        outputs.heat_flux, outputs.riser_tension = flux, tension
+        outputs.heat_flux, outputs.radiative_heat_flux, outputs.riser_tension = flux, 1e4 * t, tension
         update_peaks.py_func(SimpleNamespace(canopy=canopy, t=t), outputs, peaks)
-    assert [getattr(peaks, name) for name in names] == [10.0, 2.0, 60.0, 300.0, 2.0, 9e4, 1.0, 5e4]
+    assert [getattr(peaks, name) for name in names] == [10.0, 2.0, 60.0, 300.0, 2.0, 9e4, 1.0, 7e4, 5e4]
