@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -26,6 +28,7 @@ GAS = {
 }
 
 
+@cache
 def of_planet(name):
     """Radiation of a planet that ships."""
     scenario = {"mars": "pathfinder", "earth": "stardust"}[name]
