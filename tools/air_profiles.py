@@ -22,7 +22,7 @@ PROFILES = {
 }
 #: Heights (m) at which a capsule decelerates.
 HEIGHTS = np.arange(5e3, 45.1e3, 1e3)
-GAS_CONSTANT = 191.18  # J/(kg K); converts pressures, which are not used here
+GAS_CONSTANT = 191.0  # J/(kg K); converts pressures, which are not used here
 
 
 def profile(name: str) -> Profile:

@@ -251,7 +251,11 @@ class RecordedFlight(FlightResults):
 def fly_loaded(
     loaded: LoadedScenario, out: str | Path | None, *, replay: bool, force: bool, **options: Any
 ) -> Flight:
-    """Fly a scenario, into a folder or into memory; ``options`` as for :func:`edl6dof.sim.flight.fly`."""
+    """Fly a scenario, into a folder or into memory; ``options`` as for :func:`edl6dof.sim.flight.fly`.
+
+    Raises:
+        ConfigError: the folder exists and must not be replaced, or cannot be written.
+    """
 
     def flown() -> Flight:
         return Flight.of(sim.fly(loaded, **options))

@@ -203,7 +203,7 @@ def _border(entry: Entry, name: str, drag: np.ndarray, colour: str, dash: Dash) 
 
 
 def borders(run: Run, entry: Entry) -> list[Trace]:
-    """Return the drag (m/s2) over speed (km/s) of the limits that the scenario sets."""
+    """Return the drag (m/s2) over speed (km/s) of the limits that the scenario sets; heat by convection."""
     limit, found = run.scenario["limits"], list[Trace]()
     if (most := limit.get("entry_heat_flux_w_cm2")) is not None:
         pressure = 0.5 * (most / (entry.heat_constant * entry.speed**3)) ** 2 * entry.speed**2
